@@ -1,0 +1,39 @@
+"""The nouns: types, objects, predicates, atoms, states, skills, demonstrations, operators, models."""
+
+from pix2pred.structs.demos import Demo, Task, Vocabulary
+from pix2pred.structs.objects import Object, Type, Variable, groundings
+from pix2pred.structs.operators import GroundOperator, Operator
+from pix2pred.structs.plans import Episode, ExecutedStep, Failure, PlanResult, PlanStatus
+from pix2pred.structs.predicates import (
+    Application,
+    Atom,
+    FromDomain,
+    FromFeatures,
+    FromHuman,
+    FromSkills,
+    FromVLM,
+    LiftedAtom,
+    Predicate,
+    SkillTrigger,
+    parse_application,
+)
+from pix2pred.structs.skills import Action, Skill
+from pix2pred.structs.states import AbstractState, Box, Image, Picture, PictureError, Pixels, State
+from pix2pred.structs.truth_table import (
+    FALSE,
+    TRUE,
+    UNKNOWN,
+    Candidate,
+    LabelledDemo,
+    TruthTable,
+    unknown_as_false,
+)
+from pix2pred.structs.world_model import WorldModel
+
+__all__ = [
+    "FALSE", "TRUE", "UNKNOWN", "AbstractState", "Action", "Application", "Atom", "Box", "Candidate", "Demo",
+    "Episode", "ExecutedStep", "Failure", "FromDomain", "FromFeatures", "FromHuman", "FromSkills", "FromVLM",
+    "GroundOperator", "Image", "LabelledDemo", "LiftedAtom", "Object", "Operator", "Picture", "PictureError",
+    "Pixels", "PlanResult", "PlanStatus", "Predicate", "Skill", "SkillTrigger", "State", "Task", "TruthTable",
+    "Type", "Variable", "Vocabulary", "WorldModel", "groundings", "parse_application", "unknown_as_false",
+]  # fmt: skip

@@ -1,0 +1,88 @@
+"""What a simulator or a robot offers to the rest of the system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Protocol
+
+from pix2pred.structs.demos import Demo, Task, Vocabulary
+from pix2pred.structs.predicates import Atom
+from pix2pred.structs.skills import Action
+from pix2pred.structs.states import State
+
+SimulatorState = Mapping[str, Any]
+"""A simulator's own description of a state, JSON-compatible; only that simulator reads it."""
+
+
+class StepStatus(StrEnum):
+    """How the execution of one skill ended."""
+
+    DONE = "done"
+    STUCK = "skill failure"
+    HORIZON = "horizon"
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """The state after a skill was tried, how the try ended, and a sentence about it when it failed."""
+
+    state: State
+    status: StepStatus
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedTask:
+    """A task as a solver sees it, with the simulator's own state kept apart."""
+
+    task: Task
+    simulator: SimulatorState
+
+
+class Environment(Protocol):
+    """One episode of one task. Only pictures, features and given atoms leave it."""
+
+    def reset(self) -> State:
+        """Start the episode over and observe."""
+        ...
+
+    def execute(self, action: Action) -> Step:
+        """Run one skill until it ends, gets stuck, or uses up the horizon."""
+        ...
+
+    def goal_reached(self) -> bool:
+        """Whether the task's true goal holds now."""
+        ...
+
+
+TruthOfWord = Callable[[Atom], bool | None]
+"""The true value of a visual atom in the current simulator state; None for words without a ground truth."""
+
+
+class Domain(Protocol):
+    """A simulated domain: its families of demonstrations and tasks, and how to run them."""
+
+    name: str
+    families: Sequence[str]
+
+    def vocabulary(self, family: str) -> Vocabulary:
+        """Types, skills and initial predicates of a family."""
+        ...
+
+    def settings(self, family: str) -> Mapping[str, Any]:
+        """The published learning settings of a family (method 10.7)."""
+        ...
+
+    def demonstrations(self, family: str, seed: int) -> Sequence[Demo]:
+        """Rendered demonstrations."""
+        ...
+
+    def tasks(self, family: str, seed: int, count: int) -> Sequence[SimulatedTask]:
+        """Unseen test tasks."""
+        ...
+
+    def environment(self, task: Task, simulator: SimulatorState) -> Environment:
+        """A fresh episode of a task."""
+        ...

@@ -1,0 +1,71 @@
+"""Types, objects and variables (method 1.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """A kind of object: a name, the names of its numeric features, and an optional parent.
+
+    Features are not inherited: every type lists its own.
+    """
+
+    name: str
+    features: tuple[str, ...] = ()
+    parent: Type | None = None
+
+    def is_a(self, other: Type) -> bool:
+        """Whether this type is ``other`` or has it among its ancestors."""
+        node: Type | None = self
+        while node is not None:
+            if node.name == other.name:
+                return True
+            node = node.parent
+        return False
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Object:
+    """A named thing in a scene. ``descriptor`` is the phrase that picks it out in the pictures."""
+
+    name: str
+    type: Type
+    descriptor: str = ""
+
+    def __lt__(self, other: Object) -> bool:
+        return (self.name, self.type.name) < (other.name, other.type.name)
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A typed placeholder for an object, e.g. ``?x0`` of type ``patty``."""
+
+    name: str
+    type: Type
+
+    def __lt__(self, other: Variable) -> bool:
+        return (self.name, self.type.name) < (other.name, other.type.name)
+
+    def __str__(self) -> str:
+        return self.name
+
+
+def groundings(types: Sequence[Type], objects: Iterable[Object], *, distinct: bool) -> Iterator[tuple[Object, ...]]:
+    """Every tuple of objects whose types match ``types``, in sorted order.
+
+    ``distinct`` leaves out tuples that name one object twice (method 1.5, switch ``distinct_args``).
+    """
+    ordered = sorted(objects)
+    for candidate in product(*([o for o in ordered if o.type.is_a(t)] for t in types)):
+        if not distinct or len(set(candidate)) == len(candidate):
+            yield candidate

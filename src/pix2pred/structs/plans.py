@@ -1,0 +1,72 @@
+"""Plans and episodes: what planning and execution give back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from pix2pred.structs.operators import GroundOperator
+from pix2pred.structs.predicates import Atom
+
+
+class PlanStatus(StrEnum):
+    """How a search ended. Not found and not findable are different things."""
+
+    SOLVED = "solved"
+    UNSOLVABLE = "unsolvable"
+    BUDGET = "budget"
+
+
+@dataclass(frozen=True, slots=True)
+class PlanResult:
+    """The outcome of planning; ``nodes`` counts created search nodes, ``seconds`` is wall time (never decides)."""
+
+    status: PlanStatus
+    plan: tuple[GroundOperator, ...]
+    nodes: int
+    seconds: float
+
+
+class Failure(StrEnum):
+    """Why a task was not solved."""
+
+    WRONG_LABEL = "wrong label"
+    WRONG_MODEL = "wrong model"
+    NO_PLAN = "no plan"
+    BUDGET = "budget"
+    SKILL = "skill failure"
+    HORIZON = "horizon"
+    UNDETERMINED = "undetermined"
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutedStep:
+    """One skill of an episode: what was run and how it ended."""
+
+    action: str
+    operator: str
+    status: str
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class Episode:
+    """One task tried once. ``failure`` is None exactly when the task was solved.
+
+    ``labels`` are the atoms the plan rests on; ``label_errors`` lists labels known to be wrong, where a
+    ground truth exists.
+    """
+
+    task: str
+    failure: Failure | None
+    detail: str
+    plan: tuple[str, ...]
+    steps: tuple[ExecutedStep, ...]
+    labels: tuple[Atom, ...]
+    label_errors: tuple[str, ...]
+    nodes: int
+
+    @property
+    def solved(self) -> bool:
+        """Whether the true goal was reached."""
+        return self.failure is None

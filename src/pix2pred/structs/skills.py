@@ -1,0 +1,46 @@
+"""Skills and actions (method 1.3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pix2pred.structs.objects import Object, Type
+
+
+@dataclass(frozen=True, slots=True)
+class Skill:
+    """A named, parameterised behaviour: discrete argument types and a box for continuous parameters."""
+
+    name: str
+    types: tuple[Type, ...]
+    low: tuple[float, ...] = ()
+    high: tuple[float, ...] = ()
+
+    @property
+    def dimension(self) -> int:
+        """Number of continuous parameters."""
+        return len(self.low)
+
+    def __lt__(self, other: Skill) -> bool:
+        return self.name < other.name
+
+    def __str__(self) -> str:
+        return f"{self.name}({', '.join(t.name for t in self.types)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """A skill with objects bound and continuous parameters chosen."""
+
+    skill: Skill
+    objects: tuple[Object, ...]
+    params: tuple[float, ...] = ()
+
+    @property
+    def typed(self) -> str:
+        """The form used in prompts, ``Pick[robot:robot, patty1:patty]``."""
+        return f"{self.skill.name}[{', '.join(f'{o.name}:{o.type.name}' for o in self.objects)}]"
+
+    def __str__(self) -> str:
+        text = f"{self.skill.name}({', '.join(o.name for o in self.objects)})"
+        return text + (f"[{', '.join(repr(p) for p in self.params)}]" if self.params else "")

@@ -1,0 +1,100 @@
+"""Which atoms hold in which demonstration states: the only thing learning sees (method 3.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pix2pred.structs.objects import Object
+from pix2pred.structs.predicates import Atom, Predicate
+from pix2pred.structs.skills import Action
+from pix2pred.structs.states import AbstractState
+
+FALSE, TRUE, UNKNOWN = 0, 1, -1
+
+Values = NDArray[np.int8]
+"""Labels of shape (states, atoms): 1 true, 0 false, -1 unknown."""
+
+
+def unknown_as_false(values: Values) -> NDArray[np.bool_]:
+    """The closed-world reading of labels: unknown counts as false, as the method asks (method 3.6)."""
+    held: NDArray[np.bool_] = values == TRUE
+    return held
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledDemo:
+    """A demonstration with symbols in place of pictures; one byte per (state, atom)."""
+
+    name: str
+    objects: tuple[Object, ...]
+    actions: tuple[Action, ...]
+    goal: tuple[Atom, ...]
+    atoms: tuple[Atom, ...]
+    values: Values
+
+    def __post_init__(self) -> None:
+        expected = (len(self.actions) + 1, len(self.atoms))
+        if self.values.shape != expected:
+            raise ValueError(f"demonstration {self.name}: labels have shape {self.values.shape}, not {expected}")
+
+    def abstract_states(self) -> tuple[AbstractState, ...]:
+        """The set of atoms that hold, state by state."""
+        held = unknown_as_false(self.values)
+        return tuple(frozenset(self.atoms[i] for i in np.flatnonzero(row)) for row in held)
+
+    def restricted(self, predicates: Iterable[Predicate]) -> LabelledDemo:
+        """The same demonstration with the atoms of ``predicates`` only."""
+        kept = set(predicates)
+        columns = [i for i, atom in enumerate(self.atoms) if atom.predicate in kept]
+        return LabelledDemo(
+            self.name, self.objects, self.actions, self.goal,
+            tuple(self.atoms[i] for i in columns), self.values[:, columns],
+        )  # fmt: skip
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, LabelledDemo)
+            and (self.name, self.objects, self.actions, self.goal, self.atoms)
+            == (other.name, other.objects, other.actions, other.goal, other.atoms)
+            and np.array_equal(self.values, other.values)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A predicate of the pool and what choosing it costs in the objective (method 4.5)."""
+
+    predicate: Predicate
+    cost: float
+
+    def __lt__(self, other: Candidate) -> bool:
+        return self.predicate < other.predicate
+
+
+@dataclass(frozen=True)
+class TruthTable:
+    """Labelled demonstrations over the initial predicates and a pool of candidates."""
+
+    initial: tuple[Predicate, ...]
+    pool: tuple[Candidate, ...]
+    demos: tuple[LabelledDemo, ...]
+
+    @cached_property
+    def ever_true(self) -> frozenset[Predicate]:
+        """Predicates with at least one true label; only these become candidates (method 3.7)."""
+        return frozenset(
+            demo.atoms[i].predicate for demo in self.demos for i in np.flatnonzero((demo.values == TRUE).any(axis=0))
+        )
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """The members of the pool that are true at least once, sorted by name."""
+        return tuple(sorted(c for c in self.pool if c.predicate in self.ever_true))
+
+    def count(self, value: int) -> int:
+        """How many labels have ``value``."""
+        return sum(int((demo.values == value).sum()) for demo in self.demos)
