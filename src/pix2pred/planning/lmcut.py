@@ -1,0 +1,124 @@
+"""The landmark-cut heuristic for unit costs (Helmert and Domshlak, "Landmarks, critical paths and abstractions", 2009).
+
+With unit costs every cut has cost one, so an operator is either still paid or already free, and h-max is a sequence of
+layers: the facts reached with 0, 1, 2, ... paid operators. Layers beyond the goal's are lumped together: which of an
+operator's preconditions supports it there changes neither admissibility nor the cut's being a landmark.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pix2pred.planning.strips import Strips
+
+Edge = tuple[int, int, int]
+"""(supporting precondition or 0, add effects, the operator's own bit): an operator in the justification graph."""
+
+
+class LMCut:
+    """Admissible estimate of the plan length from a state; ``None`` for a dead end. Values are remembered."""
+
+    def __init__(self, task: Strips) -> None:
+        task = task.without_static_facts()
+        self._goal = task.goal
+        self._operators = [
+            (pre, add & ~pre, 1 << k) for k, (pre, add) in enumerate(zip(task.pre, task.add, strict=True)) if add & ~pre
+        ]
+        self._known: dict[int, int | None] = {}
+
+    def __call__(self, state: int) -> int | None:
+        """The estimate for ``state``."""
+        if state not in self._known:
+            self._known[state] = self._estimate(state)
+        return self._known[state]
+
+    def _estimate(self, state: int) -> int | None:
+        free = 0
+        cuts = 0
+        while True:
+            goal_supporter, edges = self._justify(state, free)
+            if goal_supporter is None:
+                return None
+            if goal_supporter == 0:
+                return cuts
+            zone = _goal_zone(goal_supporter, [edge for edge in edges if edge[2] & free])
+            free |= _cut(state, zone, edges)
+            cuts += 1
+
+    def _justify(self, state: int, free: int) -> tuple[int | None, list[Edge]]:
+        """The goal's supporter (0: goal reached for nothing, None: never reached) and the justification graph."""
+        goal = self._goal
+        reached, cheaper = state, 0
+        waiting: Sequence[tuple[int, int, int]] = self._operators
+        edges: list[Edge] = []
+        layer = 0
+        while True:
+            paid = 0
+            changed = True
+            while changed:
+                changed = False
+                missing = ~reached
+                still = []
+                for operator in waiting:
+                    pre, add, bit = operator
+                    if pre & missing:
+                        still.append(operator)
+                        continue
+                    supporter = pre & ~cheaper
+                    edges.append((supporter & -supporter, add, bit))
+                    if bit & free:
+                        if add & missing:
+                            reached |= add
+                            missing = ~reached
+                            changed = True
+                    else:
+                        paid |= add
+                waiting = still
+            if not goal & ~reached:
+                break
+            cheaper = reached
+            reached |= paid
+            layer += 1
+            if reached == cheaper:
+                return None, edges
+        for pre, add, bit in waiting:
+            supporter = pre & ~reached
+            edges.append((supporter & -supporter, add, bit))
+        goal_supporter = goal & ~cheaper if layer else 0
+        return goal_supporter & -goal_supporter, edges
+
+
+def _goal_zone(goal_supporter: int, free_edges: list[Edge]) -> int:
+    """Facts from which the goal's supporter follows for nothing in the justification graph."""
+    zone = goal_supporter
+    grown = True
+    while grown:
+        grown = False
+        for supporter, add, _ in free_edges:
+            if add & zone and not supporter & zone:
+                zone |= supporter
+                grown = True
+    return zone
+
+
+def _cut(state: int, zone: int, edges: list[Edge]) -> int:
+    """Operators that lead from the state's side of the justification graph into the goal zone."""
+    before = state
+    cut = 0
+    waiting = edges
+    grown = True
+    while grown:
+        grown = False
+        still = []
+        for edge in waiting:
+            supporter, add, bit = edge
+            if supporter and not supporter & before:
+                still.append(edge)
+                continue
+            if add & zone:
+                cut |= bit
+            if add & ~zone & ~before:
+                before |= add & ~zone
+                grown = True
+        waiting = still
+    return cut
