@@ -40,7 +40,7 @@ class Object:
     descriptor: str = ""
 
     def __lt__(self, other: Object) -> bool:
-        return (self.name, self.type.name) < (other.name, other.type.name)
+        return (self.name, self.type.name, self.descriptor) < (other.name, other.type.name, other.descriptor)
 
     def __str__(self) -> str:
         return self.name

@@ -1,0 +1,174 @@
+"""Partitioning transitions by effect, up to renaming objects (method 5.1-5.3).
+
+Unification is an equivalence relation, so joining the first class that unifies gives the equivalence classes, in order
+of their first member. A class of a larger predicate set is part of a class of a smaller one: adding a predicate only
+re-partitions the classes in which that predicate changes (engine, item 7).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from pix2pred.learning.data import Data, ObjectIds
+from pix2pred.structs import Type
+
+Lifted = tuple[int, tuple[int, ...]]
+"""(predicate, variable numbers)."""
+
+Effect = tuple[int, bool, ObjectIds]
+"""(predicate, added rather than deleted, objects)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A transition of a class and the objects its variables stand for."""
+
+    transition: int
+    objects: ObjectIds
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TransitionClass:
+    """Transitions of one skill with the same effects up to renaming; variable i has type ``types[i]``.
+
+    ``lifted_before`` remembers, per predicate, in how many members each lifted atom holds beforehand.
+    """
+
+    skill: int
+    types: tuple[Type, ...]
+    skill_args: tuple[int, ...]
+    add: tuple[Lifted, ...]
+    delete: tuple[Lifted, ...]
+    members: tuple[Member, ...]
+    lifted_before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+
+    @property
+    def first(self) -> int:
+        """The first transition: classes are ordered by it."""
+        return self.members[0].transition
+
+    def counts_before(self, data: Data, predicate: int) -> dict[tuple[int, ...], int]:
+        """In how many members each atom of ``predicate`` over the variables holds before the skill."""
+        if predicate not in self.lifted_before:
+            counts: dict[tuple[int, ...], int] = defaultdict(int)
+            for member in self.members:
+                number = {o: i for i, o in enumerate(member.objects)}
+                for args in data.before(member.transition, predicate):
+                    if all(o in number for o in args):
+                        counts[tuple(number[o] for o in args)] += 1
+            self.lifted_before[predicate] = dict(sorted(counts.items()))
+        return self.lifted_before[predicate]
+
+
+Partition = tuple[TransitionClass, ...]
+"""Classes ordered by first transition; class i becomes operator ``Op<i>``."""
+
+
+def partition(data: Data, predicates: Sequence[int]) -> Partition:
+    """Partition all transitions over ``predicates``."""
+    return _cluster(data, predicates, range(len(data.transitions)))
+
+
+def refine(data: Data, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
+    """``partition(data, [*predicates, added])``, given the partition over ``predicates``.
+
+    Classes in which ``added`` never changes are kept as they are, identity included.
+    """
+    changing = data.changing(added)
+    wider = (*predicates, added)
+    refined: list[TransitionClass] = []
+    for cls in classes:
+        members = [m.transition for m in cls.members]
+        refined.extend([cls] if changing.isdisjoint(members) else _cluster(data, wider, members))
+    return tuple(sorted(refined, key=lambda c: c.first))
+
+
+def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) -> Partition:
+    buckets: dict[tuple[object, ...], list[list[Member]]] = defaultdict(list)
+    effects = {t: _effects(data, predicates, t) for t in transitions}
+    for t in transitions:
+        groups = buckets[_invariant(data, t, effects[t])]
+        for group in groups:
+            if objects := _unify(data, group[0], effects[group[0].transition], t, effects[t]):
+                group.append(Member(t, objects))
+                break
+        else:
+            involved = {o for _, _, objects in effects[t] for o in objects} | {*data.transitions[t].args}
+            groups.append([Member(t, tuple(sorted(involved)))])
+    classes = (_lift(data, members, effects) for groups in buckets.values() for members in groups)
+    return tuple(sorted(classes, key=lambda c: c.first))
+
+
+def _effects(data: Data, predicates: Sequence[int], t: int) -> list[Effect]:
+    found: list[Effect] = []
+    for p in predicates:
+        added, deleted = data.effects(p, t)
+        found.extend((p, True, objects) for objects in added)
+        found.extend((p, False, objects) for objects in deleted)
+    return sorted(found)
+
+
+def _invariant(data: Data, t: int, effects: Sequence[Effect]) -> tuple[object, ...]:
+    """Equal for transitions that unify: arguments by position, other objects by type only."""
+    tr = data.transitions[t]
+    position: dict[int, object] = {}
+    for i, o in enumerate(tr.args):
+        position.setdefault(o, i)
+    others = sorted({o for _, _, objects in effects for o in objects} - position.keys())
+    for o in others:
+        position[o] = data.objects[o].type.name
+    shape = sorted((p, added, tuple(str(position[o]) for o in objects)) for p, added, objects in effects)
+    return (
+        tr.skill,
+        tuple(position[o] for o in tr.args),
+        tuple(t.name for t in data.types(tr.args)),
+        tuple(sorted(data.objects[o].type.name for o in others)),
+        tuple(shape),
+    )
+
+
+def _unify(data: Data, first: Member, a: Sequence[Effect], t: int, b: Sequence[Effect]) -> ObjectIds | None:
+    """What the variables of ``first`` stand for in transition ``t``: the first bijection in sorted order, if any."""
+    target = set(b)
+    mapping = dict(zip(data.transitions[first.transition].args, data.transitions[t].args, strict=True))
+    free = [o for o in first.objects if o not in mapping]
+    rest = sorted({o for _, _, objects in b for o in objects} - set(mapping.values()))
+    if len(free) != len(rest):
+        return None
+    for extended in _assignments(data, mapping, free, rest, a, target):
+        return tuple(extended[o] for o in first.objects)
+    return None
+
+
+def _assignments(
+    data: Data, mapping: dict[int, int], free: list[int], rest: list[int], a: Sequence[Effect], target: set[Effect]
+) -> Iterator[dict[int, int]]:
+    """Extend ``mapping`` over ``free`` onto ``rest``, types kept, every fully mapped effect found in ``target``."""
+    for p, added, objects in a:
+        if all(o in mapping for o in objects) and (p, added, tuple(mapping[o] for o in objects)) not in target:
+            return
+    if not free:
+        yield mapping
+        return
+    head, *tail = free
+    for o in rest:
+        if data.objects[o].type == data.objects[head].type:
+            others = [r for r in rest if r != o]
+            yield from _assignments(data, {**mapping, head: o}, tail, others, a, target)
+
+
+def _lift(data: Data, members: Sequence[Member], effects: dict[int, list[Effect]]) -> TransitionClass:
+    first = members[0]
+    number = {o: i for i, o in enumerate(first.objects)}
+    lifted = [(p, added, tuple(number[o] for o in objects)) for p, added, objects in effects[first.transition]]
+    tr = data.transitions[first.transition]
+    return TransitionClass(
+        tr.skill,
+        data.types(first.objects),
+        tuple(number[o] for o in tr.args),
+        tuple((p, v) for p, added, v in lifted if added),
+        tuple((p, v) for p, added, v in lifted if not added),
+        tuple(members),
+    )

@@ -1,0 +1,115 @@
+"""Demonstrations as numbers: what operator learning and the objective work on.
+
+Objects, predicates and skills become indices. An atom is (predicate, objects); the objects of all demonstrations share
+one numbering in sorted order, so comparing indices compares names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pix2pred.structs import Candidate, LabelledDemo, Object, Predicate, Skill, TruthTable, Type, unknown_as_false
+
+ObjectIds = tuple[int, ...]
+Extension = frozenset[ObjectIds]
+"""The argument tuples of which a predicate is true in one state."""
+
+NOTHING: Extension = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """One step of a demonstration: between state ``step`` and ``step + 1`` of demonstration ``demo``."""
+
+    demo: int
+    step: int
+    skill: int
+    args: ObjectIds
+
+
+@dataclass(frozen=True, slots=True)
+class NumberedDemo:
+    """A demonstration's objects, goal atoms and length in states."""
+
+    objects: ObjectIds
+    goal: tuple[tuple[int, ObjectIds], ...]
+    states: int
+
+
+class Data:
+    """The truth table in numbers. Predicates ``0..initial-1`` are the initial ones, the rest the candidates."""
+
+    def __init__(self, table: TruthTable) -> None:
+        self.candidates: tuple[Candidate, ...] = table.candidates()
+        self.predicates: tuple[Predicate, ...] = (
+            *sorted(table.initial),
+            *(c.predicate for c in self.candidates),
+        )
+        self.initial = len(table.initial)
+        self.objects: tuple[Object, ...] = tuple(sorted({o for demo in table.demos for o in demo.objects}))
+        self.skills: tuple[Skill, ...] = tuple(sorted({a.skill for demo in table.demos for a in demo.actions}))
+        self._object_ids = {o: i for i, o in enumerate(self.objects)}
+        self._predicate_ids = {p: i for i, p in enumerate(self.predicates)}
+        self._extensions = [self._read_states(demo) for demo in table.demos]
+        self.demos = tuple(self._read_demo(demo) for demo in table.demos)
+        self.transitions = tuple(self._read_transitions(table.demos))
+        self._effects = [
+            {t: effect for t, tr in enumerate(self.transitions) if any(effect := self._difference(p, tr))}
+            for p in range(len(self.predicates))
+        ]
+
+    def types(self, objects: ObjectIds) -> tuple[Type, ...]:
+        """The types of ``objects``."""
+        return tuple(self.objects[o].type for o in objects)
+
+    def extension(self, demo: int, state: int, predicate: int) -> Extension:
+        """The argument tuples of which ``predicate`` is true in a state."""
+        return self._extensions[demo][state].get(predicate, NOTHING)
+
+    def before(self, transition: int, predicate: int) -> Extension:
+        """The extension of ``predicate`` in the state before a transition."""
+        tr = self.transitions[transition]
+        return self.extension(tr.demo, tr.step, predicate)
+
+    def effects(self, predicate: int, transition: int) -> tuple[Extension, Extension]:
+        """(added, deleted) argument tuples of ``predicate`` over a transition."""
+        return self._effects[predicate].get(transition, (NOTHING, NOTHING))
+
+    def changing(self, predicate: int) -> frozenset[int]:
+        """The transitions over which ``predicate`` changes."""
+        return frozenset(self._effects[predicate])
+
+    def column(self, predicate: int) -> tuple[object, ...]:
+        """All values of a predicate: two candidates with equal columns are interchangeable."""
+        states = (self.extension(d, s, predicate) for d, demo in enumerate(self._extensions) for s in range(len(demo)))
+        return (self.predicates[predicate].types, *states)
+
+    def _read_states(self, demo: LabelledDemo) -> list[dict[int, Extension]]:
+        columns: dict[int, list[tuple[int, ObjectIds]]] = {}
+        for i, atom in enumerate(demo.atoms):
+            if atom.predicate in self._predicate_ids:
+                args = tuple(self._object_ids[o] for o in atom.objects)
+                columns.setdefault(self._predicate_ids[atom.predicate], []).append((i, args))
+        held = unknown_as_false(demo.values).tolist()
+        return [{p: frozenset(args for i, args in atoms if row[i]) for p, atoms in columns.items()} for row in held]
+
+    def _read_demo(self, demo: LabelledDemo) -> NumberedDemo:
+        objects = tuple(sorted(self._object_ids[o] for o in demo.objects))
+        goal = tuple(
+            (self._predicate_ids[a.predicate], tuple(self._object_ids[o] for o in a.objects)) for a in demo.goal
+        )
+        return NumberedDemo(objects, goal, len(demo.actions) + 1)
+
+    def _read_transitions(self, demos: Sequence[LabelledDemo]) -> list[Transition]:
+        skill_ids = {s: i for i, s in enumerate(self.skills)}
+        return [
+            Transition(d, step, skill_ids[action.skill], tuple(self._object_ids[o] for o in action.objects))
+            for d, demo in enumerate(demos)
+            for step, action in enumerate(demo.actions)
+        ]
+
+    def _difference(self, predicate: int, tr: Transition) -> tuple[Extension, Extension]:
+        before = self.extension(tr.demo, tr.step, predicate)
+        after = self.extension(tr.demo, tr.step + 1, predicate)
+        return after - before, before - after

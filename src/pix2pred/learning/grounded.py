@@ -1,0 +1,155 @@
+"""Demonstrations as small planning tasks: grounding learned operators and simplifying (engine, items 1 and 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from pix2pred.learning.clustering import Lifted
+from pix2pred.learning.data import Data, NumberedDemo, ObjectIds
+from pix2pred.learning.operators import Schema
+from pix2pred.planning import Strips
+
+GroundBits = tuple[int, int, int]
+"""Preconditions, add effects and delete effects of a ground operator, as bits of a scene's facts."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Grounding:
+    """The instances of a schema in a scene, with and without their bindings."""
+
+    bindings: tuple[ObjectIds, ...]
+    bits: tuple[GroundBits, ...]
+
+
+class Scene:
+    """A set of objects shared by demonstrations, with one numbering of their facts and remembered groundings."""
+
+    def __init__(self, data: Data, objects: ObjectIds) -> None:
+        self._data = data
+        self._objects = objects
+        self._bit: dict[tuple[int, ObjectIds], int] = {}
+        self._effects: dict[int, tuple[object, _Grounding]] = {}
+        self._complete: dict[tuple[int, tuple[Lifted, ...]], tuple[GroundBits, ...]] = {}
+
+    def bit(self, predicate: int, objects: ObjectIds) -> int:
+        """The bit of a fact; new facts are numbered as they come."""
+        key = (predicate, objects)
+        if key not in self._bit:
+            self._bit[key] = 1 << len(self._bit)
+        return self._bit[key]
+
+    def mask(self, atoms: Iterable[tuple[int, ObjectIds]]) -> int:
+        """The facts of ``atoms`` as bits."""
+        result = 0
+        for predicate, objects in atoms:
+            result |= self.bit(predicate, objects)
+        return result
+
+    def ground(self, schema: Schema) -> tuple[GroundBits, ...]:
+        """All instances of ``schema`` over distinct objects of the scene."""
+        key = (id(schema.cls), schema.pre)
+        if key not in self._complete:
+            base = self._ground_effects(schema)
+            self._complete[key] = tuple(
+                (self._lifted(schema.pre, binding), add, delete)
+                for binding, (_, add, delete) in zip(base.bindings, base.bits, strict=True)
+            )
+        return self._complete[key]
+
+    def _ground_effects(self, schema: Schema) -> _Grounding:
+        cls = schema.cls
+        if id(cls) not in self._effects:
+            bindings = tuple(self._bindings(schema))
+            bits = tuple((0, self._lifted(cls.add, b), self._lifted(cls.delete, b)) for b in bindings)
+            self._effects[id(cls)] = (cls, _Grounding(bindings, bits))  # keeps the class alive, so its id stays its own
+        return self._effects[id(cls)][1]
+
+    def _bindings(self, schema: Schema) -> Iterator[ObjectIds]:
+        domains = [[o for o in self._objects if self._data.objects[o].type.is_a(t)] for t in schema.cls.types]
+        for binding in product(*domains):
+            if len(set(binding)) == len(binding):
+                yield binding
+
+    def _lifted(self, atoms: Sequence[Lifted], binding: ObjectIds) -> int:
+        result = 0
+        for predicate, variables in atoms:
+            result |= self.bit(predicate, tuple(binding[v] for v in variables))
+        return result
+
+
+def relevant_task(operators: Sequence[GroundBits], initial: int, goal: int) -> Strips | None:
+    """The reachable part of a task without the facts that cannot matter; ``None`` if the goal is unreachable.
+
+    Drops operators with preconditions that even a delete-free execution never reaches, facts that hold throughout,
+    and facts in no precondition or goal; renumbers what is left. No plan is gained or lost.
+    """
+    reached = initial
+    waiting: Sequence[GroundBits] = operators
+    used: list[GroundBits] = []
+    grown = True
+    while grown:
+        still = []
+        missing = ~reached
+        for operator in waiting:
+            if operator[0] & missing:
+                still.append(operator)
+            else:
+                used.append(operator)
+                reached |= operator[1]
+        waiting = still
+        grown = bool(reached & missing)
+    if goal & ~reached:
+        return None
+    wanted = goal
+    deleted = 0
+    for pre, _, delete in used:
+        wanted |= pre
+        deleted |= delete
+    relevant = wanted & ~(initial & ~deleted)
+    compact = _Compactor(relevant)
+    projected = sorted((compact(pre), compact(add), compact(delete)) for pre, add, delete in used)
+    return Strips(
+        compact.size,
+        tuple(o[0] for o in projected),
+        tuple(o[1] for o in projected),
+        tuple(o[2] for o in projected),
+        compact(initial),
+        compact(goal),
+    )
+
+
+class _Compactor:
+    """Projects bit sets onto the set bits of a mask, renumbered from zero."""
+
+    def __init__(self, mask: int) -> None:
+        self._mask = mask
+        self._positions: dict[int, int] = {}
+        while mask:
+            low = mask & -mask
+            self._positions[low] = 1 << len(self._positions)
+            mask ^= low
+        self._known: dict[int, int] = {0: 0}
+
+    @property
+    def size(self) -> int:
+        return len(self._positions)
+
+    def __call__(self, value: int) -> int:
+        value &= self._mask
+        if value not in self._known:
+            rest, result = value, 0
+            while rest:
+                low = rest & -rest
+                result |= self._positions[low]
+                rest ^= low
+            self._known[value] = result
+        return self._known[value]
+
+
+def initial_and_goal(data: Data, scene: Scene, index: int, predicates: Iterable[int]) -> tuple[int, int]:
+    """The initial facts over ``predicates`` and the goal facts of a demonstration, as bits."""
+    demo: NumberedDemo = data.demos[index]
+    initial = scene.mask((p, objects) for p in sorted(predicates) for objects in sorted(data.extension(index, 0, p)))
+    return initial, scene.mask(demo.goal)

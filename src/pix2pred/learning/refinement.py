@@ -1,0 +1,76 @@
+"""What a stream of skeletons is worth: the expected planning effort of one demonstration (method 6.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from pix2pred.planning import Strips
+
+P_REFINE = 1 - 1e-5
+"""p: probability that a skeleton as long as the demonstration is the right one."""
+
+UPPER_BOUND = 1e5
+"""Charged in proportion to the probability that no skeleton was right."""
+
+BACKTRACK = 1000.0
+"""Charged for every skeleton after the first."""
+
+
+@dataclass(frozen=True, slots=True)
+class DemoScore:
+    """J_d, or a lower bound on it when the search was stopped early (``exact`` False).
+
+    ``budget_hit`` tells that the node budget ended the search.
+    """
+
+    value: float
+    exact: bool = True
+    budget_hit: bool = False
+
+
+class SkeletonSearch(Protocol):
+    """A way to compute J_d."""
+
+    def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
+        """Score a demonstration of ``states`` states; ``task`` is None when the goal is unreachable.
+
+        The search may stop once J_d is certain to exceed ``bound``.
+        """
+        ...
+
+
+@dataclass(slots=True)
+class Effort:
+    """The running sum J_d of one demonstration with ``states`` states, over at most ``max_plans`` skeletons."""
+
+    states: int
+    max_plans: int
+    total: float = 0.0
+    left: float = 1.0
+    count: int = 0
+
+    def refinability(self, states: int) -> float:
+        """Prior probability that a skeleton visiting ``states`` states is the right one."""
+        return float(P_REFINE * (1 - P_REFINE) ** abs(self.states - states))
+
+    def skeleton(self, states: int, nodes: float) -> None:
+        """Account for the next skeleton, found when ``nodes`` nodes had been created."""
+        q = self.refinability(states)
+        self.total += self.left * q * (nodes + (BACKTRACK if self.count else 0.0))
+        self.left *= 1 - q
+        self.count += 1
+
+    def settled(self, shortest: int, nodes: float, epsilon: float) -> bool:
+        """Whether skeletons of ``shortest`` states or more change J_d by less than ``epsilon`` (engine, item 3)."""
+        remaining = self.max_plans - self.count
+        chance = min(1.0, remaining * self.refinability(max(self.states, shortest)))
+        return remaining <= 0 or self.left * chance * max(UPPER_BOUND, nodes + BACKTRACK) < epsilon
+
+    def at_least(self, nodes: float) -> float:
+        """A lower bound on J_d: whatever skeleton comes next, ``nodes`` nodes were created before it."""
+        return self.total + self.left * min(nodes, UPPER_BOUND)
+
+    def finish(self) -> float:
+        """J_d once no further skeleton comes."""
+        return self.total + self.left * UPPER_BOUND

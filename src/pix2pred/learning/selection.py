@@ -1,0 +1,198 @@
+"""Hill climbing over predicate subsets (method 6.3), with candidates of equal truth columns scored once (engine, 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from pix2pred.learning.clustering import Partition, partition, refine
+from pix2pred.learning.data import Data
+from pix2pred.learning.objective import Objective, Score
+from pix2pred.learning.operators import schemas, to_operator
+from pix2pred.learning.refinement import SkeletonSearch
+from pix2pred.learning.settings import LearningSettings
+from pix2pred.structs import Operator, Predicate, TruthTable
+
+Progress = Callable[[int, int, str], None]
+"""Called with (candidates done, candidates in this step, what is going on)."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunnerUp:
+    """A candidate of a step and its J, or a lower bound on it when ``exact`` is False."""
+
+    predicate: Predicate
+    j: float
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of the climb: what was added (None at the start), the J reached, and the best other candidates."""
+
+    added: Predicate | None
+    j: float
+    j_demos: tuple[float | None, ...]
+    runners_up: tuple[RunnerUp, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The result of selecting: predicates, operators learned with them, and how it came about.
+
+    ``dropped`` were chosen but are no operator's precondition; ``identical`` lists, for each selected predicate, the
+    candidates that agree with it everywhere; ``evaluations`` counts candidate sets considered, ``scored`` those whose
+    J had to be computed, ``searches`` the planning searches this took.
+    """
+
+    selected: tuple[Predicate, ...]
+    dropped: tuple[Predicate, ...]
+    operators: tuple[Operator, ...]
+    steps: tuple[Step, ...]
+    identical: tuple[tuple[Predicate, tuple[Predicate, ...]], ...]
+    evaluations: int
+    scored: int
+    searches: int
+    budget_hits: int
+
+
+@dataclass(frozen=True, slots=True)
+class TieRule:
+    """Which of several near-equal candidates wins: those within ``margin`` of the smallest J compete.
+
+    ``margin`` 0 is the published rule, strict minimum, first by name.
+    """
+
+    margin: float
+
+    def choose(self, data: Data, settings: LearningSettings, scored: Sequence[_Scored]) -> _Scored:
+        """The winner: fewest arguments, then best explained by its own operators, then first by name."""
+        smallest = min(s.score.total for s in scored)
+        rivals = [s for s in scored if s.score.total <= smallest + self.margin]
+        if self.margin == 0 or len(rivals) == 1:
+            return rivals[0]
+        return min(rivals, key=lambda s: (data.predicates[s.predicate].arity, _disagreements(data, settings, s)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Scored:
+    """A candidate added to the current set, with the refined partition and its score."""
+
+    predicate: int
+    chosen: tuple[int, ...]
+    classes: Partition
+    score: Score
+
+
+def _disagreements(data: Data, settings: LearningSettings, candidate: _Scored) -> int:
+    """Labels that the operators learned with a candidate do not account for.
+
+    Counts transitions of dropped classes and members in which a precondition over the candidate does not hold.
+    """
+    predicates = (*range(data.initial), *candidate.chosen)
+    kept = schemas(data, candidate.classes, predicates, settings)
+    count = len(data.transitions) - sum(len(s.cls.members) for s in kept)
+    for schema in kept:
+        before = schema.cls.counts_before(data, candidate.predicate)
+        count += sum(len(schema.cls.members) - before[v] for p, v in schema.pre if p == candidate.predicate)
+    return count
+
+
+class HillClimbing:
+    """Greedy forward selection from the initial predicates alone."""
+
+    def __init__(self, table: TruthTable, settings: LearningSettings, search: SkeletonSearch, ties: TieRule) -> None:
+        self._settings = settings
+        self._ties = ties
+        self._data = Data(table)
+        self._objective = Objective(self._data, settings, search)
+        self._representatives = self._distinct_columns()
+        self._evaluations = self._scored = self._budget_hits = 0
+
+    def run(self, progress: Progress = lambda done, total, text: None) -> Selection:
+        """Climb until the early-stop rule holds or nothing improves; then learn the final operators."""
+        data = self._data
+        initial = tuple(range(data.initial))
+        classes = partition(data, initial)
+        score = self._objective.score((), classes, range(len(data.demos)))
+        current = _Scored(-1, (), classes, score)
+        self._evaluations = self._scored = 1
+        self._budget_hits = score.budget_hits
+        steps = [Step(None, score.total, score.demos, ())]
+        previous = float("inf")
+        while not self._stop(previous, current.score.total):
+            scored = self._expand(current, progress)
+            exact = [s for s in scored if s.score.exact]
+            if not exact:
+                break
+            best = self._ties.choose(data, self._settings, exact)
+            if not best.score.total < current.score.total:
+                break
+            previous, current = current.score.total, best
+            others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
+            runners_up = tuple(RunnerUp(data.predicates[s.predicate], s.score.total, s.score.exact) for s in others)
+            steps.append(Step(data.predicates[best.predicate], best.score.total, best.score.demos, runners_up))
+        return self._finish(current.chosen, steps)
+
+    def score(self, chosen: Sequence[Predicate]) -> Score:
+        """J of a given set of candidates."""
+        numbers = tuple(self._data.predicates.index(p) for p in chosen)
+        classes = partition(self._data, (*range(self._data.initial), *numbers))
+        return self._objective.score(numbers, classes, range(len(self._data.demos)))
+
+    def _stop(self, previous: float, current: float) -> bool:
+        if self._settings.early_stop == "level":
+            return current <= self._settings.j_threshold
+        return previous - current <= self._settings.j_threshold
+
+    def _distinct_columns(self) -> dict[int, list[int]]:
+        """The first candidate by name of every distinct truth column, with the others that share it."""
+        by_column: dict[tuple[object, ...], list[int]] = {}
+        for p in range(self._data.initial, len(self._data.predicates)):
+            by_column.setdefault(self._data.column(p), []).append(p)
+        return {members[0]: members[1:] for members in by_column.values()}
+
+    def _expand(self, current: _Scored, progress: Progress) -> list[_Scored]:
+        """Score every set with one more candidate, in order of name; hopeless ones get a lower bound."""
+        data = self._data
+        predicates = (*range(data.initial), *current.chosen)
+        order = sorted(range(len(data.demos)), key=lambda d: -(current.score.demos[d] or 0.0))
+        candidates = [p for p in self._representatives if p not in current.chosen]
+        bound = current.score.total
+        scored = []
+        for done, p in enumerate(candidates):
+            progress(done, len(candidates), data.predicates[p].name)
+            chosen = (*current.chosen, p)
+            classes = refine(data, current.classes, predicates, p)
+            score = self._objective.score(chosen, classes, order, bound)
+            if score.exact:
+                bound = min(bound, score.total + self._ties.margin)
+            scored.append(_Scored(p, chosen, classes, score))
+            self._evaluations += 1 + len(self._representatives[p])
+            self._budget_hits += score.budget_hits
+        self._scored += len(candidates)
+        progress(len(candidates), len(candidates), "")
+        return scored
+
+    def _finish(self, chosen: Sequence[int], steps: Sequence[Step]) -> Selection:
+        """Drop predicates that are no precondition, then learn the final operators (method 6.3)."""
+        data = self._data
+
+        def learn(numbers: Sequence[int]) -> tuple[Operator, ...]:
+            predicates = (*range(data.initial), *numbers)
+            found = schemas(data, partition(data, predicates), predicates, self._settings)
+            return tuple(to_operator(data, schema) for schema in found)
+
+        used = {atom.predicate for op in learn(chosen) for atom in op.preconditions}
+        kept = [p for p in chosen if data.predicates[p] in used]
+        return Selection(
+            tuple(data.predicates[p] for p in kept),
+            tuple(data.predicates[p] for p in chosen if p not in kept),
+            learn(kept),
+            tuple(steps),
+            tuple((data.predicates[p], tuple(data.predicates[q] for q in self._representatives[p])) for p in kept),
+            self._evaluations,
+            self._scored,
+            self._objective.searches,
+            self._budget_hits,
+        )
