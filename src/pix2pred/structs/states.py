@@ -99,6 +99,12 @@ class Image:
             raise PictureError(f"{name}: cannot be read as a picture ({error})") from error
 
     @cached_property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        height, width = self.pixels().shape[:2]
+        return width, height
+
+    @cached_property
     def digest(self) -> str:
         """SHA-256 of shape and decoded pixels: the same whatever compressed the file."""
         return _digest(self.pixels())

@@ -1,0 +1,6 @@
+"""What happens to a picture before a model sees it: crop, size, set-of-marks, heading."""
+
+from pix2pred.images.crops import skill_crop
+from pix2pred.images.draw import draw_view, encode_png
+
+__all__ = ["draw_view", "encode_png", "skill_crop"]

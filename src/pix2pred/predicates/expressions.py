@@ -1,0 +1,110 @@
+"""Programs over object features: what feature predicates compute, and their text form.
+
+The text is an s-expression: ``(<= robot.fingers 0.5)``, ``(not E)``, ``(forall E)``. Reading it never runs code.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pix2pred.structs import Object, State, Type
+
+
+class ExpressionError(ValueError):
+    """A text that is no feature expression; the message says what was expected."""
+
+
+@dataclass(frozen=True, slots=True)
+class AtMost:
+    """``x.feature <= bound`` for an object of exactly ``type_name``; ``index`` is its feature's position."""
+
+    type_name: str
+    feature: str
+    bound: float
+
+    def __str__(self) -> str:
+        return f"(<= {self.type_name}.{self.feature} {self.bound!r})"
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    """The negation of ``inner``."""
+
+    inner: Expression
+
+    def __str__(self) -> str:
+        return f"(not {self.inner})"
+
+
+@dataclass(frozen=True, slots=True)
+class ForAll:
+    """``inner`` holds for every object of its type; takes no argument."""
+
+    inner: Expression
+
+    def __str__(self) -> str:
+        return f"(forall {self.inner})"
+
+
+Expression = AtMost | Not | ForAll
+
+
+def evaluate(expression: Expression, state: State, args: tuple[Object, ...]) -> bool:
+    """The value in ``state``; ``args`` has one object, or none for quantified expressions.
+
+    Raises ``ExpressionError`` when the state lacks the feature.
+    """
+    match expression:
+        case Not(inner):
+            return not evaluate(inner, state, args)
+        case ForAll(inner):
+            over = _type_name(inner)
+            return all(evaluate(inner, state, (o,)) for o in sorted(state.features) if o.type.name == over)
+        case AtMost(_, feature, bound):
+            (thing,) = args
+            if thing not in state.features or feature not in thing.type.features:
+                raise ExpressionError(f"{thing.name} has no feature {feature!r} in this state (needed by {expression})")
+            return bool(state.features[thing][thing.type.features.index(feature)] <= bound)
+
+
+def arguments(expression: Expression, types: Mapping[str, Type]) -> tuple[Type, ...]:
+    """The argument types of a predicate computed by ``expression``."""
+    match expression:
+        case ForAll():
+            return ()
+        case Not(inner):
+            return arguments(inner, types)
+        case AtMost(type_name):
+            if type_name not in types:
+                raise ExpressionError(f"type {type_name!r} of {expression} is not declared")
+            return (types[type_name],)
+
+
+def _type_name(expression: Expression) -> str:
+    match expression:
+        case AtMost(type_name):
+            return type_name
+        case Not(inner) | ForAll(inner):
+            return _type_name(inner)
+
+
+_LEAF = re.compile(r"\(<=\s+([A-Za-z][\w\-]*)\.([\w\-]+)\s+([-+0-9.eE]+|inf|-inf)\)\Z")
+_WRAPPED = re.compile(r"\((not|forall)\s+(\(.*\))\)\Z", re.DOTALL)
+_MAX_DEPTH = 10
+
+
+def parse_expression(text: str, depth: int = 0) -> Expression:
+    """Read the text form. Raises ``ExpressionError``."""
+    text = text.strip()
+    if match := _LEAF.match(text):
+        try:
+            return AtMost(match[1], match[2], float(match[3]))
+        except ValueError as error:
+            raise ExpressionError(f"{match[3]!r} is not a number in {text!r}") from error
+    wrapped = _WRAPPED.match(text)
+    if wrapped is None or depth > _MAX_DEPTH:
+        raise ExpressionError(f"expected (<= type.feature number), (not E) or (forall E), found {text[:80]!r}")
+    inner = parse_expression(wrapped[2], depth + 1)
+    return Not(inner) if wrapped[1] == "not" else ForAll(inner)

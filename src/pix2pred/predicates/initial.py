@@ -1,0 +1,59 @@
+"""Values of predicates that no query is needed for, by their source (design: initial predicates declare a source)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pix2pred.predicates.expressions import evaluate, parse_expression
+from pix2pred.structs import (
+    FALSE,
+    TRUE,
+    Action,
+    Atom,
+    FromDomain,
+    FromFeatures,
+    FromHuman,
+    FromSkills,
+    FromVLM,
+    SkillTrigger,
+    State,
+)
+
+
+def is_asked(atom: Atom) -> bool:
+    """Whether the atom's value comes from querying a model."""
+    return isinstance(atom.predicate.source, FromVLM)
+
+
+def local_values(atom: Atom, states: Sequence[State], actions: Sequence[Action]) -> list[int]:
+    """The atom's value in every state of a trajectory; ``actions[t]`` leads from state t to t + 1.
+
+    Raises ``ExpressionError`` when a feature expression needs a feature that the states lack.
+    """
+    match atom.predicate.source:
+        case FromDomain() | FromHuman():
+            return [TRUE if atom in state.given else FALSE for state in states]
+        case FromFeatures(expression):
+            parsed = parse_expression(expression)
+            return [TRUE if evaluate(parsed, state, atom.objects) else FALSE for state in states]
+        case FromSkills() as source:
+            return _by_skills(source, atom, states[0], actions)
+        case FromVLM():
+            raise AssertionError(f"{atom} is labelled by a model, not locally")
+
+
+def _by_skills(source: FromSkills, atom: Atom, first: State, actions: Sequence[Action]) -> list[int]:
+    """Declared knowledge: set and cleared by skills; true at first if listed there or declared so."""
+    values = [TRUE if source.initially or atom in first.given else FALSE]
+    for action in actions:
+        value = values[-1]
+        if any(_matches(trigger, action, atom) for trigger in source.cleared_by):
+            value = FALSE
+        if any(_matches(trigger, action, atom) for trigger in source.set_by):
+            value = TRUE
+        values.append(value)
+    return values
+
+
+def _matches(trigger: SkillTrigger, action: Action, atom: Atom) -> bool:
+    return action.skill.name == trigger.skill and tuple(action.objects[i] for i in trigger.args) == atom.objects

@@ -1,0 +1,45 @@
+"""Finding ground atoms in free text (method 2.2)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+_NAME = r"[A-Za-z_][A-Za-z0-9_\-]*"
+_APPLICATION = re.compile(rf"(?<![A-Za-z0-9_\-])({_NAME})[ \t]*\(([^()]*)\)")
+_ARGUMENT = re.compile(r"[A-Za-z0-9_\-]+(?: +[A-Za-z0-9_\-]+)*\Z")
+_ESCAPED = re.compile(r"\\([_\-()])")
+_MARKUP = re.compile(r"[\\`*]")
+
+
+@dataclass(frozen=True, slots=True)
+class Mention:
+    """``name(args)`` as found in a text; ``end`` is where it ends in the cleaned text."""
+
+    name: str
+    args: tuple[str, ...]
+    end: int
+
+    def __str__(self) -> str:
+        return f"{self.name}({', '.join(self.args)})"
+
+
+def clean(text: str) -> str:
+    """Undo LaTeX and Markdown: ``\\_`` becomes ``_``; other backslashes, backticks and asterisks go."""
+    return _MARKUP.sub("", _ESCAPED.sub(r"\1", text))
+
+
+def mentions(cleaned: str) -> Iterator[Mention]:
+    """Every ``identifier(name, name)`` in ``cleaned``, in order; ``p()`` and prose in brackets are passed over.
+
+    Names are normalised: outer spaces go, inner ones collapse to one underscore, ``-`` becomes ``_``.
+    """
+    for match in _APPLICATION.finditer(cleaned):
+        args = [" ".join(part.split()) for part in match[2].split(",")]
+        if all(_ARGUMENT.match(a) for a in args):
+            yield Mention(_normal(match[1]), tuple(_normal(a) for a in args), match.end())
+
+
+def _normal(name: str) -> str:
+    return name.replace("-", "_").replace(" ", "_")

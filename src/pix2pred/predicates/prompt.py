@@ -1,0 +1,62 @@
+"""Filling in the prompt texts: how objects, actions and atoms are written for a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.resources import files
+from string import Template
+
+from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, State
+from pix2pred.structs.views import View
+
+
+def fill(name: str, **values: str) -> str:
+    """The prompt ``prompts/<name>.txt`` with its ``$fields`` replaced; the comment line on top is left out."""
+    return _template(name).substitute(values)
+
+
+@cache
+def _template(name: str) -> Template:
+    text = (files("pix2pred.predicates") / "prompts" / f"{name}.txt").read_text(encoding="utf-8")
+    comment, _, body = text.partition("\n")
+    assert comment.startswith("# Method"), f"prompt {name} names the section it implements"
+    return Template(body)
+
+
+def shown_name(thing: Object) -> str:
+    """What a prompt calls an object: its descriptor with underscores for spaces (method 1.1)."""
+    return "_".join((thing.descriptor or thing.name).replace("-", "_").split())
+
+
+def object_lines(objects: Iterable[Object]) -> str:
+    """One line per object: name and type."""
+    return "\n".join(f"- {shown_name(o)} ({o.type.name})" for o in sorted(objects, key=shown_name))
+
+
+def action_text(action: Action) -> str:
+    """``Skill[obj:type, obj:type]``."""
+    return f"{action.skill.name}[{', '.join(f'{shown_name(o)}:{o.type.name}' for o in action.objects)}]"
+
+
+def atom_text(atom: Atom) -> str:
+    """``phrase(obj1, obj2)``: queries use the base name, without the number that makes names unique."""
+    source = atom.predicate.source
+    phrase = source.phrase if isinstance(source, FromVLM) else atom.predicate.name
+    return f"{phrase}({', '.join(shown_name(o) for o in atom.objects)})"
+
+
+def views(state: State, t: int, objects: Iterable[Object], *, marks: bool, label: str = "") -> tuple[View, ...]:
+    """All cameras of a state, with headings such as ``state 3, camera main``."""
+    names = {o.name: shown_name(o) for o in objects}
+    prefix = f"{label}: " if label else ""
+    return tuple(
+        View(_renamed(picture, names), t, marks=marks, heading=f"{prefix}state {t}, camera {picture.camera}")
+        for picture in state.pictures
+    )
+
+
+def _renamed(picture: Picture, names: Mapping[str, str]) -> Picture:
+    """The picture with boxes of the task's objects only, under the names the prompt uses."""
+    boxes = {names[name]: box for name, box in picture.boxes.items() if name in names}
+    return Picture(picture.camera, picture.image, boxes)

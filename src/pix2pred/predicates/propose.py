@@ -1,0 +1,145 @@
+"""Asking a model for predicates and lifting what it proposes into a pool (method 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from joblib import Parallel, delayed
+from pydantic import BaseModel, ConfigDict, Field
+
+from pix2pred.predicates.parse_atoms import clean, mentions
+from pix2pred.predicates.prompt import action_text, fill, object_lines, shown_name, views
+from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
+from pix2pred.vlm import VLM, Request
+
+ANSWER_TOKENS = 8192
+"""Budget of a proposal: a model lists hundreds of atoms."""
+
+
+class ProposalSettings(BaseModel):
+    """How predicates are asked for and filtered."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    variant: Literal["diverse", "specific"] = "diverse"
+    max_atoms: int | None = Field(None, ge=1, description="atoms kept per demonstration (Cleanup, Juice: 25)")
+    exclude: tuple[str, ...] = Field((), description="words; atoms that mention one are dropped (e.g. hand, gripper)")
+    marks: bool = Field(True, description="write object names into the pictures (simulation: yes, photos: no)")
+    attempts: int = Field(3, ge=1, description="queries per demonstration before giving up on an unusable answer")
+
+
+@dataclass(frozen=True, slots=True)
+class ProposedAtom:
+    """An accepted atom, in the words of the model and over the demonstration's objects."""
+
+    name: str
+    objects: tuple[Object, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Rejection:
+    """A proposed atom that was not used, and why."""
+
+    text: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """What came of asking about one demonstration."""
+
+    demo: str
+    accepted: tuple[ProposedAtom, ...]
+    rejected: tuple[Rejection, ...]
+
+
+class EmptyProposalError(RuntimeError):
+    """No demonstration gave a single usable atom."""
+
+
+def propose(demos: Sequence[Demo], vlm: VLM, settings: ProposalSettings, jobs: int = 4) -> tuple[Proposal, ...]:
+    """One proposal per demonstration, in the order of ``demos``. Raises ``EmptyProposalError`` if all are empty."""
+    work = Parallel(n_jobs=jobs, prefer="threads")
+    proposals = tuple(work(delayed(_propose_for)(demo, vlm, settings) for demo in demos))
+    if not any(p.accepted for p in proposals):
+        raise EmptyProposalError(
+            f"{vlm.name} proposed no usable predicate for any of {len(demos)} demonstrations; "
+            "see the rejected atoms in the run folder"
+        )
+    return proposals
+
+
+def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings) -> Proposal:
+    proposal = Proposal(demo.name, (), ())
+    for attempt in range(settings.attempts):
+        answer = vlm.answer(proposal_request(demo, settings, attempt))
+        proposal = read_proposal(demo, answer.text, settings)
+        if proposal.accepted:
+            break
+    return proposal
+
+
+def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0) -> Request:
+    """The query about one demonstration: instruction, objects, actions, then every state's pictures."""
+    limit = f"List at most {settings.max_atoms} predicates in total.\n" if settings.max_atoms else ""
+    text = fill(
+        "propose" if settings.variant == "diverse" else "propose_specific",
+        objects=object_lines(demo.objects),
+        actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
+        limit=limit,
+    )
+    pictures = (v for t, s in enumerate(demo.states) for v in views(s, t, demo.objects, marks=settings.marks))
+    return Request("propose", (text, *pictures), ANSWER_TOKENS, attempt=attempt)
+
+
+def read_proposal(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
+    """Parse an answer and filter it as section 2.3 says, keeping the reason for everything left out."""
+    known = {shown_name(o): o for o in demo.objects} | {o.name: o for o in demo.objects}
+    accepted: dict[ProposedAtom, None] = {}
+    rejected: dict[Rejection, None] = {}
+    for mention in mentions(clean(answer)):
+        reason = None
+        unknown = [a for a in mention.args if a not in known]
+        objects = tuple(known[a] for a in mention.args if a in known)
+        atom = ProposedAtom(mention.name, objects)
+        if unknown:
+            reason = f"{unknown[0]} is not an object of this demonstration"
+        elif word := _excluded(mention.name, mention.args, settings.exclude):
+            reason = f"mentions the excluded word {word}"
+        elif len(set(objects)) < len(objects):
+            reason = "names one object twice"
+        elif atom not in accepted and settings.max_atoms and len(accepted) >= settings.max_atoms:
+            reason = f"over the limit of {settings.max_atoms} atoms"
+        if reason:
+            rejected[Rejection(str(mention), reason)] = None
+        else:
+            accepted[atom] = None
+    return Proposal(demo.name, tuple(accepted), tuple(rejected))
+
+
+def _excluded(name: str, args: Iterable[str], exclude: Iterable[str]) -> str | None:
+    text = " ".join((name, *args)).lower()
+    return next((word for word in exclude if word.lower() in text), None)
+
+
+def lift(proposals: Iterable[Proposal], taken: Iterable[str] = ()) -> tuple[Candidate, ...]:
+    """The pool: one predicate per distinct (name, object types), numbered per name (method 2.4, 2.5).
+
+    ``taken`` are names already in use. A visual predicate costs its arity (4.5).
+    """
+    signatures: dict[str, set[tuple[Type, ...]]] = {}
+    for proposal in proposals:
+        for atom in proposal.accepted:
+            signatures.setdefault(atom.name, set()).add(tuple(o.type for o in atom.objects))
+    used = set(taken)
+    pool = []
+    for base in sorted(signatures):
+        for i, types in enumerate(sorted(signatures[base], key=lambda ts: [t.name for t in ts])):
+            name = f"{base}{i}"
+            while name in used:
+                name = f"{base}_{i}" if name == f"{base}{i}" else name + "_"
+            used.add(name)
+            pool.append(Candidate(Predicate(name, types, FromVLM(base)), float(len(types))))
+    return tuple(sorted(pool))

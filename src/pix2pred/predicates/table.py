@@ -1,0 +1,95 @@
+"""From demonstrations and a pool of predicates to the truth table, and from a test state to its abstraction (3.7, 3.8)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from pix2pred.predicates.initial import is_asked, local_values
+from pix2pred.predicates.label import Labeller, StateLabels
+from pix2pred.structs import (
+    TRUE,
+    AbstractState,
+    Atom,
+    Candidate,
+    Demo,
+    LabelledDemo,
+    Object,
+    Predicate,
+    State,
+    TruthTable,
+    groundings,
+)
+
+Progress = Callable[[int, int, str], None]
+"""Called with (demonstrations done, demonstrations, name of the one just finished)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Labelling:
+    """The truth table, the answers it was read from, and counts of what could not be used."""
+
+    table: TruthTable
+    answers: tuple[tuple[StateLabels, ...], ...]
+    counts: Counter[str]
+
+
+def label_demos(
+    demos: Sequence[Demo],
+    initial: Sequence[Predicate],
+    pool: Sequence[Candidate],
+    labeller: Labeller,
+    *,
+    jobs: int = 4,
+    progress: Progress = lambda done, total, name: None,
+) -> Labelling:
+    """Label every atom of ``initial`` and ``pool`` in every state; demonstrations in parallel, states in order."""
+    predicates = (*initial, *(c.predicate for c in pool))
+    work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
+    labelled: list[LabelledDemo] = []
+    answers: list[tuple[StateLabels, ...]] = []
+    for demo, (one, texts) in zip(
+        demos, work(delayed(_label_demo)(demo, predicates, labeller) for demo in demos), strict=True
+    ):
+        labelled.append(one)
+        answers.append(texts)
+        progress(len(labelled), len(demos), demo.name)
+    counts = sum((s.counts for texts in answers for s in texts), Counter[str]())
+    return Labelling(TruthTable(tuple(initial), tuple(pool), tuple(labelled)), tuple(answers), counts)
+
+
+def _label_demo(
+    demo: Demo, predicates: Iterable[Predicate], labeller: Labeller
+) -> tuple[LabelledDemo, tuple[StateLabels, ...]]:
+    atoms = ground_atoms(predicates, demo.objects)
+    asked = [a for a in atoms if is_asked(a)]
+    answers = labeller.demo(demo, asked) if asked else ()
+    values = np.zeros((len(demo.states), len(atoms)), dtype=np.int8)
+    for i, atom in enumerate(atoms):
+        if is_asked(atom):
+            values[:, i] = [labels.values[atom] for labels in answers]
+        else:
+            values[:, i] = local_values(atom, demo.states, demo.actions)
+    return LabelledDemo(demo.name, demo.objects, demo.actions, demo.goal, atoms, values), answers
+
+
+def ground_atoms(predicates: Iterable[Predicate], objects: Sequence[Object]) -> tuple[Atom, ...]:
+    """All type-consistent atoms over distinct objects (switch ``distinct_args`` of method 1.5 on), sorted."""
+    return tuple(sorted(Atom(p, args) for p in predicates for args in groundings(p.types, objects, distinct=True)))
+
+
+def abstract(
+    state: State, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: Labeller
+) -> tuple[AbstractState, StateLabels | None]:
+    """The atoms that hold in a state seen for the first time, and the model's answer if one was needed (3.8)."""
+    atoms = ground_atoms(predicates, objects)
+    asked = [a for a in atoms if is_asked(a)]
+    labels = labeller.first(state, objects, asked) if asked else None
+    held = {a for a in atoms if not is_asked(a) and local_values(a, [state], []) == [TRUE]}
+    if labels:
+        held |= {a for a, value in labels.values.items() if value == TRUE}
+    return frozenset(held), labels

@@ -1,0 +1,58 @@
+"""What is shown of a picture: a crop, a size, marks and a heading, drawn only when a model is asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pix2pred.structs.states import Box, Picture
+
+LONGEST_SIDE = 512
+"""Pixels of the longer side of a shown picture (method 3.9)."""
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A clean picture and how to show it.
+
+    ``crop`` is in the picture's pixels; ``marks`` draws every boxed object's name beside it (set-of-marks);
+    ``heading`` is written on a white strip above the picture.
+    """
+
+    picture: Picture
+    state: int
+    crop: Box | None = None
+    marks: bool = True
+    heading: str = ""
+    longest_side: int = LONGEST_SIDE
+
+    @property
+    def boxes(self) -> Mapping[str, Box]:
+        """The boxes of objects, in the picture's pixels, by name in sorted order."""
+        return dict(sorted(self.picture.boxes.items()))
+
+    def canonical(self) -> dict[str, Any]:
+        """Everything that decides what is shown, JSON-compatible; equal for equal views on any machine."""
+        return {
+            "pixels": self.picture.image.digest,
+            "camera": self.picture.camera,
+            "state": self.state,
+            "crop": _numbers(self.crop) if self.crop else None,
+            "marks": self.marks,
+            "heading": self.heading,
+            "longest_side": self.longest_side,
+            "boxes": {name: _numbers(box) for name, box in self.boxes.items()},
+        }
+
+
+def _numbers(box: Box) -> list[float]:
+    return [box.left, box.top, box.right, box.bottom]
+
+
+def scale_to(width: float, height: float, longest_side: int) -> float:
+    """The factor that gives a picture of ``width`` x ``height`` the longer side ``longest_side``."""
+    factor = longest_side / max(width, height)
+    assert math.isfinite(factor) and factor > 0, "a picture has a positive size"
+    return factor

@@ -1,0 +1,101 @@
+"""The answer store: every answer as a plain JSON file under its key, so that none is ever paid for twice.
+
+``answers/ab/<sha256>.json`` holds question and answer, ``blobs/<sha256>.png`` each picture once, clean. Folders merge
+by copying. Files are written under another name and renamed, so a file that exists is complete.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from enum import StrEnum
+from pathlib import Path
+
+from pix2pred.structs.views import View
+from pix2pred.vlm.request import VLM, Answer, Request, VLMError
+
+VERSION = 1
+
+
+class StoreMode(StrEnum):
+    """LIVE always asks; RESUME asks what is not stored; REPLAY never asks, a miss is an error."""
+
+    LIVE = "live"
+    RESUME = "resume"
+    REPLAY = "replay"
+
+
+class ReplayMissError(VLMError):
+    """A question that the store has no answer to, in replay mode."""
+
+
+class AnswerStore:
+    """A folder of answers."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+
+    def get(self, key: str) -> str | None:
+        """The stored answer text. Raises ``VLMError`` for a damaged file."""
+        path = self._path(key)
+        try:
+            entry = json.loads(path.read_text(encoding="utf-8"))
+            if entry["version"] != VERSION or not isinstance(entry["answer"], str):
+                raise VLMError(f"{path}: is not a stored answer of version {VERSION}")
+            return str(entry["answer"])
+        except FileNotFoundError:
+            return None
+        except (ValueError, KeyError, TypeError) as error:
+            raise VLMError(f"{path}: damaged answer ({error}); delete the file to ask again") from error
+
+    def put(self, request: Request, model: str, answer: str) -> None:
+        """Store an answer and the pictures of its question."""
+        for view in request.views:
+            self._put_picture(view)
+        entry = {
+            "version": VERSION,
+            "purpose": request.purpose,
+            "request": request.canonical(model),
+            "answer": answer,
+        }
+        _write(self._path(request.key(model)), json.dumps(entry, indent=1, ensure_ascii=False).encode())
+
+    def _put_picture(self, view: View) -> None:
+        path = self.directory / "blobs" / f"{view.picture.image.digest}.png"
+        if not path.exists():
+            _write(path, view.picture.image.encoded)
+
+    def _path(self, key: str) -> Path:
+        return self.directory / "answers" / key[:2] / f"{key}.json"
+
+
+def _write(path: Path, content: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}")
+    temporary.write_bytes(content)
+    temporary.replace(path)
+
+
+class StoredVLM:
+    """A model behind an answer store."""
+
+    def __init__(self, model: VLM, store: AnswerStore, mode: StoreMode = StoreMode.RESUME) -> None:
+        self.name = model.name
+        self._model = model
+        self._store = store
+        self._mode = mode
+
+    def answer(self, request: Request) -> Answer:
+        """The stored answer if the mode allows, else the model's, stored before it is returned."""
+        key = request.key(self.name)
+        if self._mode != StoreMode.LIVE and (text := self._store.get(key)) is not None:
+            return Answer(text, stored=True)
+        if self._mode == StoreMode.REPLAY:
+            raise ReplayMissError(
+                f"the store {self._store.directory} has no answer to a {request.purpose} query of {self.name} "
+                f"(key {key[:12]}); run once with --answers resume to ask the model"
+            )
+        answer = self._model.answer(request)
+        self._store.put(request, self.name, answer.text)
+        return answer
