@@ -1,4 +1,4 @@
-"""From demonstrations and a pool of predicates to the truth table, and from a test state to its abstraction (3.7, 3.8)."""
+"""From demonstrations and a pool to the truth table (method 3.7), and from a test state to its abstraction (3.8)."""
 
 from __future__ import annotations
 
