@@ -1,0 +1,177 @@
+"""From ``domain.yaml`` to types, skills, initial predicates and objects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from pix2pred.demos.documents import DomainDoc, Sheet
+from pix2pred.demos.yaml_lines import Loc
+from pix2pred.structs import Object, Predicate, Skill, Type, Vocabulary
+from pix2pred.structs.documents import (
+    ObjectDoc,
+    PredicateDoc,
+    SkillDoc,
+    TriggerDoc,
+    TypeDoc,
+    UnknownNameError,
+    build_predicate,
+    build_skill,
+    build_types,
+)
+
+MAX_ANCESTORS = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """The names demonstrations and tasks may use.
+
+    ``broken`` are names declared with a problem that is already reported: their uses are not reported again.
+    """
+
+    vocabulary: Vocabulary
+    objects: Mapping[str, Object]
+    broken: frozenset[str] = frozenset()
+
+
+def build_declared(sheet: Sheet, doc: DomainDoc) -> Declared:
+    """Resolve ``doc`` as far as it is sound; problems go to the sheet."""
+    builder = _Builder(sheet)
+    types = builder.types(doc.types)
+    skills = builder.skills(doc.skills)
+    predicates = builder.predicates(doc.predicates)
+    objects = resolve_objects(sheet, doc.objects, builder.table, builder.broken)
+    return Declared(Vocabulary(doc.name, types, skills, predicates), objects, frozenset(builder.broken))
+
+
+def resolve_objects(
+    sheet: Sheet, docs: Mapping[str, ObjectDoc], types: Mapping[str, Type], broken: set[str]
+) -> dict[str, Object]:
+    """The objects of a mapping ``objects: {name: {type, descriptor}}``; names left out are added to ``broken``."""
+    objects = {}
+    for name, doc in docs.items():
+        if doc.type in types and doc.type not in broken:
+            objects[name] = Object(name, types[doc.type], doc.descriptor or name)
+            continue
+        if doc.type not in broken:
+            sheet.report(("objects", name, "type"), str(UnknownNameError("type", doc.type, types)))
+        broken.add(name)
+    return objects
+
+
+@dataclass(slots=True)
+class _Builder:
+    """Goes through the file entry by entry, so that one wrong entry does not hide the next."""
+
+    sheet: Sheet
+    table: dict[str, Type] = field(default_factory=dict)
+    skill_table: dict[str, Skill] = field(default_factory=dict)
+    broken: set[str] = field(default_factory=set)
+
+    def types(self, docs: Sequence[TypeDoc]) -> tuple[Type, ...]:
+        """The types whose ancestors are sound."""
+        firsts = {docs[i].name: docs[i] for i in self._first_positions("types", "type", [d.name for d in docs])}
+        for position, doc in enumerate(docs):
+            if len(set(doc.features)) != len(doc.features) or not all(doc.features):
+                self.sheet.report(("types", position, "features"), "feature names must be distinct and not empty")
+            if doc.parent is not None and doc.parent not in firsts:
+                message = str(UnknownNameError("type", doc.parent, firsts))
+                self.sheet.report(("types", position, "parent"), message)
+                self.broken.add(doc.name)
+        for position, doc in enumerate(docs):
+            self._check_ancestors(position, doc, firsts)
+        self.table = {t.name: t for t in build_types(d for d in firsts.values() if d.name not in self.broken)}
+        return tuple(self.table.values())
+
+    def _check_ancestors(self, position: int, doc: TypeDoc, docs: Mapping[str, TypeDoc]) -> None:
+        node, visited = doc, set[str]()
+        for _ in range(MAX_ANCESTORS):
+            visited.add(node.name)
+            if node.parent is None or node.parent not in docs:
+                return
+            node = docs[node.parent]
+            if node.name == doc.name:
+                self.sheet.report(("types", position, "parent"), f"type {doc.name!r} is its own ancestor")
+                self.broken.add(doc.name)
+                return
+            if node.name in self.broken or node.name in visited:
+                self.broken.add(doc.name)
+                return
+        self.sheet.report(("types", position, "parent"), f"type {doc.name!r} has more than {MAX_ANCESTORS} ancestors")
+        self.broken.add(doc.name)
+
+    def skills(self, docs: Sequence[SkillDoc]) -> tuple[Skill, ...]:
+        """The skills over sound types."""
+        for position in self._first_positions("skills", "skill", [d.name for d in docs]):
+            doc, loc = docs[position], ("skills", position)
+            if not self._known_types(doc.name, doc.types, loc):
+                continue
+            try:
+                self.skill_table[doc.name] = build_skill(doc, self.table)
+            except ValueError as error:
+                self.sheet.report((*loc, "low"), str(error))
+                self.broken.add(doc.name)
+                continue
+            if any(bound != bound for bound in (*doc.low, *doc.high)):
+                self.sheet.report((*loc, "low"), f"skill {doc.name}: a bound is not a number")
+        return tuple(self.skill_table.values())
+
+    def predicates(self, docs: Sequence[PredicateDoc]) -> tuple[Predicate, ...]:
+        """The predicates over sound types."""
+        built = []
+        for position in self._first_positions("predicates", "predicate", [d.name for d in docs]):
+            doc, loc = docs[position], ("predicates", position)
+            if not self._known_types(doc.name, doc.types, loc):
+                continue
+            try:
+                predicate = build_predicate(doc, self.table)
+            except ValueError as error:
+                self.sheet.report((*loc, "source"), str(error))
+                self.broken.add(doc.name)
+                continue
+            built.append(predicate)
+            for key in ("set_by", "cleared_by"):
+                for i, trigger in enumerate(getattr(doc, key)):
+                    self._check_trigger((*loc, key, i), predicate, trigger)
+        return tuple(built)
+
+    def _check_trigger(self, loc: Loc, predicate: Predicate, trigger: TriggerDoc) -> None:
+        """The skill exists, and each argument of the predicate gets a skill argument of a matching type."""
+        skill = self.skill_table.get(trigger.skill)
+        if skill is None:
+            if trigger.skill not in self.broken:
+                message = str(UnknownNameError("skill", trigger.skill, self.skill_table))
+                self.sheet.report((*loc, "skill"), message)
+            return
+        if len(trigger.args) != predicate.arity:
+            what = f"predicate {predicate.name} takes {predicate.arity} arguments, args has {len(trigger.args)}"
+            self.sheet.report((*loc, "args"), what)
+            return
+        for i, (wanted, position) in enumerate(zip(predicate.types, trigger.args, strict=True)):
+            if not 0 <= position < len(skill.types):
+                what = f"skill {skill} has no argument {position}; positions count from 0"
+                self.sheet.report((*loc, "args", i), what)
+            elif not (skill.types[position].is_a(wanted) or wanted.is_a(skill.types[position])):
+                what = f"argument {position} of skill {skill} is a {skill.types[position]}, not a {wanted}"
+                self.sheet.report((*loc, "args", i), what)
+
+    def _known_types(self, owner: str, types: Sequence[str], loc: Loc) -> bool:
+        for position, name in enumerate(types):
+            if name not in self.table:
+                if name not in self.broken:
+                    message = str(UnknownNameError("type", name, self.table))
+                    self.sheet.report((*loc, "types", position), message)
+                self.broken.add(owner)
+        return owner not in self.broken
+
+    def _first_positions(self, key: str, kind: str, names: Sequence[str]) -> list[int]:
+        """Where each name is declared first; later declarations are problems."""
+        firsts: dict[str, int] = {}
+        for position, name in enumerate(names):
+            if name in firsts:
+                line = self.sheet.yaml.line((key, firsts[name], "name"))
+                message = f"{kind} {name!r} is declared twice (first on line {line})"
+                self.sheet.report((key, position, "name"), message)
+            firsts.setdefault(name, position)
+        return list(firsts.values())

@@ -1,0 +1,69 @@
+"""The exact truth of the given predicates (method 10.2). Composite predicates take the support first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from pix2pred.domains.burger.vocabulary import make_object, printed_name
+from pix2pred.domains.burger.world import World
+from pix2pred.structs import Atom, Object, Predicate, groundings
+
+
+def _on(world: World, item: str, support: str) -> bool:
+    return world.supports(support, item)
+
+
+def _on_ground(world: World, item: str) -> bool:
+    return world.thing(item).z == 0
+
+
+def _clear(world: World, name: str) -> bool:
+    return name != world.held and world.cover(name) is None
+
+
+def _holding(world: World, robot: str, item: str) -> bool:
+    return robot == world.robot and world.held == item
+
+
+def _somewhere_above(world: World, support: str, item: str) -> bool:
+    low, high = world.thing(support), world.thing(item)
+    return low.cell == high.cell and low.z < high.z and high.prepared
+
+
+def _right_above(world: World, support: str, item: str) -> bool:
+    low, high = world.thing(support), world.thing(item)
+    return low.cell == high.cell and low.z == high.z - 1 and high.prepared
+
+
+_CLASSIFIERS: Mapping[str, Callable[..., bool]] = {
+    "On": _on,
+    "OnGround": _on_ground,
+    "Clear": _clear,
+    "Holding": _holding,
+    "SomewhereAboveAndPrepped": _somewhere_above,
+    "RightAboveAndPrepped": _right_above,
+}
+
+
+def holds(world: World, atom: Atom) -> bool:
+    """Whether a given atom is true. Raises ``ValueError`` for a predicate of another domain."""
+    name = printed_name(atom.predicate.name)
+    if name not in _CLASSIFIERS:
+        raise ValueError(f"{atom.predicate.name} is not a given predicate of the burger domain")
+    return _CLASSIFIERS[name](world, *(o.name for o in atom.objects))
+
+
+def objects_of(world: World) -> tuple[Object, ...]:
+    """All objects of ``world``, sorted."""
+    return tuple(sorted(make_object(name, kind) for name, kind in world.types().items()))
+
+
+def true_atoms(world: World, predicates: Iterable[Predicate]) -> frozenset[Atom]:
+    """The atoms that hold, over all type-consistent groundings with distinct objects."""
+    objects = objects_of(world)
+    return frozenset(
+        atom
+        for predicate in predicates
+        for args in groundings(predicate.types, objects, distinct=True)
+        if holds(world, atom := Atom(predicate, args))
+    )

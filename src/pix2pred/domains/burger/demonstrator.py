@@ -1,0 +1,31 @@
+"""Runs a script of skills through an episode and records it as a demonstration (method 1.4)."""
+
+from __future__ import annotations
+
+from pix2pred.domains.burger.classifiers import objects_of
+from pix2pred.domains.burger.environment import BurgerEnvironment
+from pix2pred.domains.burger.families import Family, Recipe, bind_action, bind_atom
+from pix2pred.domains.burger.world import World
+from pix2pred.structs import Demo
+from pix2pred.structs.environment import StepStatus
+
+
+def demonstrate(name: str, family: Family, recipe: Recipe, initial: World) -> Demo:
+    """The demonstration of ``recipe`` from ``initial``: the states before and after each skill.
+
+    Raises ``RuntimeError`` when a skill of the script fails or the goal is not reached.
+    """
+    objects = objects_of(initial)
+    by_name = {o.name: o for o in objects}
+    goal = tuple(bind_atom(a, by_name, family.initial) for a in recipe.goal)
+    environment = BurgerEnvironment(initial, family.initial, goal)
+    states = [environment.reset()]
+    actions = tuple(bind_action(a, by_name) for a in recipe.skills)
+    for action in actions:
+        step = environment.execute(action)
+        if step.status is not StepStatus.DONE:
+            raise RuntimeError(f"demonstration {name}: {action} failed: {step.detail}")
+        states.append(step.state)
+    if not environment.goal_reached():
+        raise RuntimeError(f"demonstration {name}: the script of {recipe.name} does not reach its goal")
+    return Demo(name, objects, tuple(states), actions, goal)

@@ -1,0 +1,82 @@
+"""The burger domain as the rest of the system sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pix2pred.domains.burger.classifiers import objects_of
+from pix2pred.domains.burger.demonstrator import demonstrate
+from pix2pred.domains.burger.environment import BurgerEnvironment
+from pix2pred.domains.burger.families import Family, Variant, bind_atom, load_families
+from pix2pred.domains.burger.observe import observe
+from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.burger.world import World
+from pix2pred.structs import Demo, Task, Vocabulary
+from pix2pred.structs.environment import SimulatedTask, SimulatorState
+
+
+class BurgerDomain:
+    """Three task families in one grid kitchen. Every scene is seeded by (seed, split, family index, index).
+
+    ``variant`` selects the test tasks; ``held_z`` is the level of an item held at reset, 1 or, as in the reference, 0.
+    """
+
+    name: str = "burger"
+
+    def __init__(self, variant: Variant = "paper", held_z: int = 1) -> None:
+        if variant not in ("paper", "reference"):
+            raise ValueError(f"variant {variant!r} is neither 'paper' nor 'reference'")
+        self.variant: Variant = variant
+        self.held_z = held_z
+        self.families: Sequence[str] = tuple(load_families())
+
+    def vocabulary(self, family: str) -> Vocabulary:
+        """Types, skills and initial predicates of a family."""
+        return self._family(family).vocabulary()
+
+    def settings(self, family: str) -> Mapping[str, Any]:
+        """The published learning settings of a family (method 10.7)."""
+        return dict(self._family(family).settings)
+
+    def demonstrations(self, family: str, seed: int) -> Sequence[Demo]:
+        """The 12 rendered demonstrations, in the order of method 14.2."""
+        chosen = self._family(family)
+        demos = []
+        for index, recipe in enumerate(chosen.demonstrations):
+            rng = scene_generator(seed, Split.DEMONSTRATIONS, chosen.index, index)
+            world = initial_world(recipe.scene, rng, self.held_z)
+            demos.append(demonstrate(f"{family}-{index:02d}-{recipe.name}", chosen, recipe, world))
+        return tuple(demos)
+
+    def tasks(self, family: str, seed: int, count: int = 10) -> Sequence[SimulatedTask]:
+        """``count`` test tasks: the first half (rounded up) hand free, the rest holding a raw patty."""
+        chosen = self._family(family)
+        kinds = chosen.test_recipes(self.variant)
+        tasks = []
+        for index in range(count):
+            recipe = kinds.free if index < (count + 1) // 2 else kinds.holding
+            rng = scene_generator(seed, Split.TASKS, chosen.index, index)
+            world = initial_world(recipe.scene, rng, self.held_z)
+            objects = objects_of(world)
+            by_name = {o.name: o for o in objects}
+            goal = tuple(bind_atom(a, by_name, chosen.initial) for a in recipe.goal)
+            task = Task(f"{family}-test-{index}", objects, observe(world, chosen.initial), goal)
+            tasks.append(SimulatedTask(task, {"family": family, "world": world.to_dict()}))
+        return tuple(tasks)
+
+    def environment(self, task: Task, simulator: SimulatorState) -> BurgerEnvironment:
+        """A fresh episode of a task. Raises ``ValueError`` when the simulator state does not belong to it."""
+        if "family" not in simulator or "world" not in simulator:
+            raise ValueError("not a burger simulator state: it needs 'family' and 'world'")
+        family = self._family(simulator["family"])
+        world = World.from_dict(simulator["world"])
+        if set(objects_of(world)) != set(task.objects):
+            raise ValueError(f"task {task.name}: its objects are not those of the simulator state")
+        return BurgerEnvironment(world, family.initial, task.goal)
+
+    def _family(self, name: str) -> Family:
+        families = load_families()
+        if name not in families:
+            raise ValueError(f"burger has no family {name!r}; choose from {', '.join(families)}")
+        return families[name]

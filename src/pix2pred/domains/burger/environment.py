@@ -1,0 +1,62 @@
+"""One episode of a burger task: skills run to their end, get stuck, or use up the horizon (method 10.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pix2pred.domains.burger.classifiers import holds
+from pix2pred.domains.burger.observe import observe
+from pix2pred.domains.burger.skills import explain, policy_for
+from pix2pred.domains.burger.world import World, advance
+from pix2pred.structs import Action, Application, Atom, Predicate, State
+from pix2pred.structs.environment import Step, StepStatus
+
+HORIZON = 200
+"""Primitive steps in one episode."""
+
+
+class BurgerEnvironment:
+    """An episode that starts in ``initial``. ``world`` is the ground truth; only states are meant to leave."""
+
+    def __init__(self, initial: World, predicates: Sequence[Predicate], goal: Sequence[Atom]) -> None:
+        self.world = initial
+        self.steps = 0
+        self._initial = initial
+        self._predicates = tuple(predicates)
+        self._goal = tuple(goal)
+
+    def reset(self) -> State:
+        """Start the episode over and observe."""
+        self.world, self.steps = self._initial, 0
+        return self.observe()
+
+    def observe(self) -> State:
+        """The state now."""
+        return observe(self.world, self._predicates)
+
+    def goal_reached(self) -> bool:
+        """Whether every goal atom is true of the world now."""
+        return all(holds(self.world, atom) for atom in self._goal)
+
+    def execute(self, action: Action) -> Step:
+        """Run one skill. It never raises: what cannot work is ``STUCK`` with a sentence about the cause."""
+        status, detail = self._run(Application(action.skill.name, tuple(o.name for o in action.objects)))
+        return Step(self.observe(), status, detail)
+
+    def _run(self, skill: Application) -> tuple[StepStatus, str]:
+        start = self.world
+        try:
+            policy = policy_for(skill, start)
+        except ValueError as error:
+            return StepStatus.STUCK, f"{skill} cannot be run: {error}"
+        seen = {start}
+        while not policy.finished(self.world):
+            if self.steps >= HORIZON:
+                return StepStatus.HORIZON, f"{skill} had not ended when the {HORIZON} steps of the episode were used up"
+            self.world = advance(self.world, policy(self.world))
+            self.steps += 1
+            # Policies are deterministic and see the whole world, so a repeated world repeats for ever.
+            if self.world in seen:
+                return StepStatus.STUCK, f"{skill} never ends: {explain(skill, start)}"
+            seen.add(self.world)
+        return StepStatus.DONE, ""

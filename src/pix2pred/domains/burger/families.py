@@ -1,0 +1,118 @@
+"""The task families as data (method 10.2, order of demonstrations 14.2): reads ``families.yaml``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from typing import Any, Literal
+
+import yaml
+
+from pix2pred.domains.burger.vocabulary import (
+    SHARED,
+    SKILL_OF,
+    SKILLS,
+    STATION,
+    TYPE_OF,
+    TYPES,
+    composites,
+    find_predicate,
+)
+from pix2pred.structs import Action, Application, Atom, Object, Predicate, Vocabulary, parse_application
+
+Variant = Literal["paper", "reference"]
+"""Which test tasks: those the paper describes or those of the reference (they differ for Combo, method 12.32)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a scene holds: ``(name, type name)`` sorted by name, what starts on what, and what is held."""
+
+    things: tuple[tuple[str, str], ...]
+    start: Mapping[str, str] = field(default_factory=dict)
+    held: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """A scene, the skills to run in it (none for a test task), and the goal, all by name."""
+
+    name: str
+    scene: Scene
+    goal: tuple[Application, ...]
+    skills: tuple[Application, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TaskKinds:
+    """The two kinds of test task: hand free and holding a raw patty at the start."""
+
+    free: Recipe
+    holding: Recipe
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A task family; ``index`` is its place in the file and enters its seeds."""
+
+    name: str
+    index: int
+    initial: tuple[Predicate, ...]
+    demonstrations: tuple[Recipe, ...]
+    tests: Mapping[str, TaskKinds]
+    settings: Mapping[str, Any]
+
+    def vocabulary(self) -> Vocabulary:
+        """Types, skills and initial predicates."""
+        return Vocabulary("burger", TYPES, SKILLS, self.initial)
+
+    def test_recipes(self, variant: Variant) -> TaskKinds:
+        """The test tasks of ``variant``; families with one variant use it for both."""
+        return self.tests.get(variant, self.tests["paper"])
+
+
+def bind_atom(application: Application, objects: Mapping[str, Object], predicates: Sequence[Predicate]) -> Atom:
+    """The atom written as ``application``, with the signature that fits the objects."""
+    args = tuple(objects[name] for name in application.args)
+    return Atom(find_predicate(predicates, application.name, args), args)
+
+
+def bind_action(application: Application, objects: Mapping[str, Object]) -> Action:
+    """The action written as ``application``."""
+    return Action(SKILL_OF[application.name], tuple(objects[name] for name in application.args))
+
+
+@cache
+def load_families() -> Mapping[str, Family]:
+    """All families by name, in the order of the file."""
+    text = resources.files("pix2pred.domains.burger").joinpath("families.yaml").read_text(encoding="utf-8")
+    return {name: _family(name, index, data) for index, (name, data) in enumerate(yaml.safe_load(text).items())}
+
+
+def _family(name: str, index: int, data: Mapping[str, Any]) -> Family:
+    recipes = {key: _recipe(key, entry) for key, entry in data["recipes"].items()}
+    demonstrations = [
+        recipes[key] for block in data["demonstrations"] for _ in range(block["times"]) for key in block["cycle"]
+    ]
+    tests = {
+        variant: TaskKinds(_recipe("free", kinds["free"]), _recipe("holding", kinds["holding"]))
+        for variant, kinds in data["tests"].items()
+    }
+    initial = (*SHARED, *composites(data["composites"]))
+    return Family(name, index, initial, tuple(demonstrations), tests, data["settings"])
+
+
+def _recipe(name: str, data: Mapping[str, Any]) -> Recipe:
+    things = sorted(
+        (type_name if TYPE_OF[type_name].is_a(STATION) else f"{type_name}{number}", type_name)
+        for type_name, count in data["scene"].items()
+        for number in range(1, count + 1)
+    )
+    return Recipe(
+        name,
+        Scene(tuple(things), data.get("start", {}), data.get("held")),
+        tuple(parse_application(text) for text in data["goal"]),
+        tuple(parse_application(text) for text in data.get("skills", ())),
+    )

@@ -1,0 +1,47 @@
+"""Random initial worlds (method 10.2): stations and items in distinct edge cells, robot in the middle."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import IntEnum
+
+import numpy as np
+
+from pix2pred.domains.burger.families import Scene
+from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
+
+ROBOT_NAME = "robot"
+
+
+class Split(IntEnum):
+    """The second number of a seed: what the scene is for."""
+
+    DEMONSTRATIONS = 0
+    TASKS = 1
+
+
+def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:
+    """The generator of one scene, seeded by ``(seed, split, family index, index of the demonstration or task)``."""
+    return np.random.default_rng(np.random.SeedSequence((seed, int(split), family, index)))
+
+
+def initial_world(scene: Scene, rng: np.random.Generator, held_z: int = 1) -> World:
+    """A uniform shuffle of ``scene`` over the 12 edge cells that are not corners.
+
+    ``held_z`` is the z of an item held from the start: 1, or 0 as in the reference (method 12.34). Raises
+    ``ValueError`` when there are more things than cells.
+    """
+    loose = [(name, kind) for name, kind in scene.things if name != scene.held and name not in scene.start]
+    if len(loose) > len(EDGE_CELLS):
+        raise ValueError(f"{len(loose)} things do not fit {len(EDGE_CELLS)} cells")
+    order = rng.permutation(len(EDGE_CELLS))
+    look = int(rng.integers(2**31))
+    placed = {name: Thing(name, kind, EDGE_CELLS[order[i]]) for i, (name, kind) in enumerate(loose)}
+    middle = Cell(2, 2)
+    for name, kind in scene.things:
+        if name == scene.held:
+            placed[name] = Thing(name, kind, middle, held_z)
+        elif name in scene.start:
+            support = placed[scene.start[name]]
+            placed[name] = replace(support, name=name, type=kind, z=support.z + 1)
+    return World(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), look)

@@ -1,0 +1,128 @@
+"""Ground truth of visual words, for tests and benchmarks only: learning and execution never import it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from pix2pred.domains.burger.vocabulary import STATION, TYPE_OF
+from pix2pred.domains.burger.world import Heading, World
+
+
+@dataclass(frozen=True, slots=True)
+class Concept:
+    """What a word means here: the type names of its arguments and its value in a world."""
+
+    types: tuple[str, ...]
+    value: Callable[..., bool]
+
+
+def _prepared(world: World, name: str) -> bool:
+    return world.thing(name).prepared
+
+
+def _hand_empty(world: World, robot: str) -> bool:
+    return world.held is None
+
+
+def _holding(world: World, robot: str, item: str) -> bool:
+    return world.held == item
+
+
+def _held(world: World, item: str) -> bool:
+    return world.held == item
+
+
+def _on(world: World, item: str, support: str) -> bool:
+    return world.supports(support, item)
+
+
+def _above(world: World, item: str, support: str) -> bool:
+    if world.robot in (item, support) or world.held in (item, support):
+        return False
+    high, low = world.thing(item), world.thing(support)
+    return high.cell == low.cell and high.z > low.z
+
+
+def _covered(world: World, name: str) -> bool:
+    return world.cover(name) is not None
+
+
+def _on_ground(world: World, item: str) -> bool:
+    return item != world.held and world.thing(item).z == 0
+
+
+def _on_station(world: World, item: str) -> bool:
+    thing = world.thing(item)
+    return item != world.held and any(
+        t.cell == thing.cell and TYPE_OF[t.type].is_a(STATION) for t in world.things if t.name != item
+    )
+
+
+def _occupied(world: World, station: str) -> bool:
+    return any(t.is_item for t in world.stack(world.where(station)))
+
+
+def _facing(world: World, robot: str, name: str) -> bool:
+    return name != world.held and world.where(name) == world.faced
+
+
+def _adjacent(world: World, robot: str, name: str) -> bool:
+    return name != world.held and any(world.cell.toward(h) == world.where(name) for h in Heading)
+
+
+def _faces(heading: Heading) -> Concept:
+    def value(world: World, robot: str) -> bool:
+        return world.heading == heading
+
+    return Concept(("robot",), value)
+
+
+def _stacked(world: World, item: str) -> bool:
+    return any(
+        t.is_item and (world.supports(item, t.name) or world.supports(t.name, item))
+        for t in world.things
+        if t.name != item
+    )
+
+
+def _top_of_stack(world: World, item: str) -> bool:
+    return item != world.held and world.cover(item) is None
+
+
+CONCEPTS: Mapping[str, Concept] = {
+    "cooked": Concept(("patty",), _prepared),
+    "chopped": Concept(("lettuce",), _prepared),
+    "hand_empty": Concept(("robot",), _hand_empty),
+    "holding": Concept(("robot", "item"), _holding),
+    "held": Concept(("item",), _held),
+    "on": Concept(("item", "object"), _on),
+    "above": Concept(("item", "object"), _above),
+    "covered": Concept(("object",), _covered),
+    "on_ground": Concept(("item",), _on_ground),
+    "on_station": Concept(("item",), _on_station),
+    "occupied": Concept(("station",), _occupied),
+    "facing": Concept(("robot", "object"), _facing),
+    "adjacent": Concept(("robot", "object"), _adjacent),
+    "facing_up": _faces(Heading.UP),
+    "facing_left": _faces(Heading.LEFT),
+    "facing_down": _faces(Heading.DOWN),
+    "facing_right": _faces(Heading.RIGHT),
+    "stacked": Concept(("item",), _stacked),
+    "top_of_stack": Concept(("item",), _top_of_stack),
+}
+"""Every word with a ground truth."""
+
+
+def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
+    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
+    if concept not in CONCEPTS:
+        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
+    wanted = CONCEPTS[concept].types
+    types = world.types()
+    fits = len(names) == len(wanted) and all(
+        n in types and TYPE_OF[types[n]].is_a(TYPE_OF[t]) for n, t in zip(names, wanted, strict=True)
+    )
+    if not fits:
+        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
+    return CONCEPTS[concept].value(world, *names)

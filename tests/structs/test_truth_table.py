@@ -1,0 +1,87 @@
+"""Labels: three values, restriction to predicates, candidates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pix2pred.structs import (
+    FALSE,
+    TRUE,
+    UNKNOWN,
+    Action,
+    Candidate,
+    FromDomain,
+    FromVLM,
+    LabelledDemo,
+    Object,
+    Predicate,
+    Skill,
+    TruthTable,
+    Type,
+    unknown_as_false,
+)
+
+CUP = Type("cup")
+A, B = Object("a", CUP), Object("b", CUP)
+ON = Predicate("On", (CUP, CUP), FromDomain())
+HOT, FULL = Predicate("Hot", (CUP,), FromVLM("Hot")), Predicate("Full", (CUP,), FromVLM("Full"))
+WAIT = Action(Skill("Wait", ()), ())
+ATOMS = (ON(A, B), HOT(A), FULL(A), HOT(B))
+VALUES = np.array([[TRUE, UNKNOWN, FALSE, FALSE], [FALSE, TRUE, UNKNOWN, FALSE]], np.int8)
+
+
+def labelled(values: np.ndarray[tuple[int, ...], np.dtype[np.int8]] = VALUES) -> LabelledDemo:
+    return LabelledDemo("d", (A, B), (WAIT,), (ON(A, B),), ATOMS, values)
+
+
+def test_unknown_stays_in_storage_and_reads_as_false() -> None:
+    assert unknown_as_false(VALUES).tolist() == [[True, False, False, False], [False, True, False, False]]
+    assert labelled().abstract_states() == (frozenset({ON(A, B)}), frozenset({HOT(A)}))
+
+
+def test_restriction_keeps_the_columns_of_the_predicates() -> None:
+    kept = labelled().restricted([HOT])
+    assert kept.atoms == (HOT(A), HOT(B))
+    assert kept.values.tolist() == [[UNKNOWN, FALSE], [TRUE, FALSE]]
+    assert (kept.objects, kept.actions, kept.goal) == ((A, B), (WAIT,), (ON(A, B),))
+    assert labelled().restricted([]).values.shape == (2, 0)
+
+
+@given(st.sets(st.sampled_from([ON, HOT, FULL])))
+def test_restriction_and_abstraction_commute(predicates: set[Predicate]) -> None:
+    whole = labelled().abstract_states()
+    restricted = labelled().restricted(predicates).abstract_states()
+    assert restricted == tuple(frozenset(a for a in s if a.predicate in predicates) for s in whole)
+
+
+def test_labels_must_fit_the_demonstration() -> None:
+    with pytest.raises(ValueError, match="shape"):
+        labelled(VALUES[:1])
+
+
+def test_equality_is_by_values() -> None:
+    assert labelled() == labelled(VALUES.copy())
+    changed = VALUES.copy()
+    changed[0, 1] = FALSE
+    assert labelled() != labelled(changed)
+    assert labelled() != labelled().restricted([HOT])
+
+
+def test_candidates_are_true_at_least_once_and_sorted() -> None:
+    never = Candidate(FULL, 1.0)
+    table = TruthTable((ON,), (Candidate(HOT, 1.0), never), (labelled(),))
+    assert table.ever_true == {ON, HOT}
+    assert table.candidates() == (Candidate(HOT, 1.0),)
+    assert [table.count(v) for v in (TRUE, FALSE, UNKNOWN)] == [2, 4, 2]
+    values = np.ones((2, 4), np.int8)
+    full = TruthTable((ON,), (Candidate(HOT, 1.0), never), (labelled(values),))
+    assert [c.predicate.name for c in full.candidates()] == ["Full", "Hot"]
+
+
+def test_an_empty_table_has_no_candidates() -> None:
+    table = TruthTable((), (Candidate(HOT, 1.0),), ())
+    assert table.candidates() == ()
+    assert table.count(TRUE) == 0
