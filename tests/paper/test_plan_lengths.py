@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import golden
 import pytest
 
+import golden
 from pix2pred.planning import AStar, GreedyBestFirst, Planner, is_valid
 from pix2pred.structs import Atom, Object, PlanStatus
 

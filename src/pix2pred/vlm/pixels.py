@@ -61,7 +61,7 @@ class Scene:
         x, y = box.center
         area = (round(x - side / 2), round(y - side / 2), round(x + side / 2), round(y + side / 2))
         small = self.image.crop(area).resize((SIDE, SIDE), PIL.Image.Resampling.BOX)
-        return np.asarray(small, dtype=np.float32).ravel() / 255
+        return (np.asarray(small, dtype=np.float32).ravel() / 255).astype(np.float32)
 
     def surroundings(self, name: str) -> Vector:
         """How the object's box lies among the others: sizes, nearest boxes above and below, containment.

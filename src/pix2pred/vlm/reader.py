@@ -44,13 +44,13 @@ class OfflineReader:
         """One line per word and type signature, with synonyms and antonyms under the concept they belong to."""
         yield "Predicates that describe the scene, with synonyms and antonyms."
         seen: set[tuple[object, ...]] = set()
-        for word, signature in self._model.uses():
+        for word, signature in self._model.words.uses():
             example = _example(types, signature)
             group = (word.concept or word.word, signature)
             if example is None or group in seen:
                 continue
             seen.add(group)
-            related = [w for w, s in self._model.uses() if (w.concept or w.word, s) == group]
+            related = [w for w, s in self._model.words.uses() if (w.concept or w.word, s) == group]
             args = ", ".join(example)
             yield f"* {related[0].word}({args})"
             for title, negated in (("Synonyms", related[0].negated), ("Antonyms", not related[0].negated)):

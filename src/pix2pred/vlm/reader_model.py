@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Literal
 
@@ -28,7 +29,7 @@ class WordDoc(Document):
     distractor that compares a ``measure`` with a threshold."""
 
     word: str
-    types: tuple[tuple[str, ...], ...] = Field(description="argument type signatures")
+    types: tuple[tuple[str, ...], ...] = Field(description="argument type signatures; names of kinds stand for all")
     concept: str | None = None
     negated: bool = False
     measure: str | None = None
@@ -41,7 +42,17 @@ class WordListDoc(Document):
     format: Literal["pix2pred-reader"]
     version: Literal[1]
     sure: float = Field(0.6, ge=0.5, lt=1, description="below this probability the answer is Unknown")
+    kinds: dict[str, tuple[str, ...]] = Field(default_factory=dict, description="names for several types")
     words: tuple[WordDoc, ...]
+
+    def uses(self) -> list[tuple[WordDoc, tuple[str, ...]]]:
+        """Every word with every signature of plain types it applies to."""
+        return [
+            (word, types)
+            for word in self.words
+            for signature in word.types
+            for types in product(*(self.kinds.get(t, (t,)) for t in signature))
+        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +110,7 @@ class ReaderModel:
         self.digest = digest
         self._projections = projections
         self._classifiers = classifiers
-        self._by_use = {(w.word, types): w for w in words.words for types in w.types}
+        self._by_use = {(w.word, types): w for w, types in words.uses()}
 
     @classmethod
     def load(cls, directory: Path) -> ReaderModel:
@@ -111,10 +122,6 @@ class ReaderModel:
             table = {key: arrays[key].astype(np.float32) for key in arrays.files}
         projections, classifiers = unpack(table)
         return cls(words, projections, classifiers, hashlib.sha256(text + weights).hexdigest())
-
-    def uses(self) -> list[tuple[WordDoc, tuple[str, ...]]]:
-        """Every word with every type signature it applies to."""
-        return [(word, types) for word in self.words.words for types in word.types]
 
     def value(self, word: str, names: Sequence[str], types: Sequence[str], scene: Scene) -> tuple[bool | None, float]:
         """(value or None for unknown, probability of True) of a word about objects in a picture."""
