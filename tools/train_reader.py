@@ -17,10 +17,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import yaml
+import PIL.Image
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from sklearn.decomposition import PCA
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPClassifier
 
 from pix2pred.domains.burger.random_worlds import random_worlds
@@ -28,11 +30,11 @@ from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.truth import concept_value
 from pix2pred.domains.burger.world import World
 from pix2pred.vlm.pixels import Scene
-from pix2pred.vlm.reader_model import Projection, ReaderModel, WordListDoc, inputs
+from pix2pred.vlm.reader_model import WEIGHTS, Projection, ReaderModel, inputs, load_words
 
 TRAINING_SEED, CARD_SEED = 7001, 7002
-COMPONENTS = 24
-HIDDEN = 16
+TIGHT_COMPONENTS, WIDE_COMPONENTS = 28, 12
+HIDDEN = 20
 MOST_SAMPLES = 5000
 
 Signature = tuple[str, ...]
@@ -48,7 +50,12 @@ class Case:
 
 
 def render_worlds(worlds: Sequence[World]) -> list[Scene]:
-    return [Scene(render(world)) for world in worlds]
+    scenes = [Scene(render(world)) for world in worlds]
+    for scene in scenes:
+        for name in scene.picture.boxes:
+            scene.crops(name)
+        scene.image = PIL.Image.new("L", scene.image.size)  # only the size is needed once the crops are taken
+    return scenes
 
 
 def read_worlds(seed: int, looks: int, per_look: int, jobs: int) -> tuple[list[World], list[Scene]]:
@@ -87,10 +94,12 @@ def fit_projections(scenes: Sequence[Scene], worlds: Sequence[World]) -> dict[st
                 crops.setdefault(type_name, []).append(vector)
     fitted = {}
     for type_name, rows in sorted(crops.items()):
-        pca = PCA(COMPONENTS, random_state=0).fit(np.stack(rows[:6000]))
+        tight, wide = np.split(np.stack(rows[:6000]), 2, axis=1)
+        parts = [PCA(n, random_state=0).fit(x) for n, x in ((TIGHT_COMPONENTS, tight), (WIDE_COMPONENTS, wide))]
         # rounded as they will be stored, so that training and use see the same codes
-        mean, components = (a.astype(np.float16).astype(np.float32) for a in (pca.mean_, pca.components_))
-        fitted[type_name] = Projection(mean, components)
+        mean = np.concatenate([p.mean_ for p in parts]).astype(np.float16)
+        components = block_diag(*(p.components_ for p in parts)).astype(np.float16)
+        fitted[type_name] = Projection(mean.astype(np.float32), components.astype(np.float32))
     return fitted
 
 
@@ -100,10 +109,11 @@ def fit(x: NDArray[np.float32], y: NDArray[np.bool_]) -> dict[str, NDArray[np.fl
         only = 10.0 if y.all() else -10.0
         w1, b1, w2, b2 = np.zeros((x.shape[1], 1)), np.zeros(1), np.zeros((1, 1)), np.array([only])
     else:
-        network = MLPClassifier((HIDDEN,), alpha=1e-2, max_iter=250, early_stopping=len(y) > 400, random_state=0)
+        network = MLPClassifier((HIDDEN,), alpha=1e-2, max_iter=120, learning_rate_init=3e-3, random_state=0)
+        weights = np.where(y, len(y) / (2 * y.sum()), len(y) / (2 * (~y).sum()))
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            network.fit((x - mean) / scale, y)
+            warnings.simplefilter("ignore", ConvergenceWarning)
+            network.fit((x - mean) / scale, y, sample_weight=weights)
         (w1, w2), (b1, b2) = network.coefs_, network.intercepts_
     arrays = {"mean": mean, "scale": scale, "w1": w1, "b1": b1, "w2": w2, "b2": b2}
     return {key: np.asarray(value, dtype=np.float32) for key, value in arrays.items()}
@@ -139,7 +149,7 @@ def main() -> None:
     import pix2pred.domains.burger as package
 
     directory = Path(package.__file__).parent / "reader"
-    words = WordListDoc.model_validate(yaml.safe_load((directory / "words.yaml").read_text()))
+    words = load_words(directory)
     start = time.perf_counter()
     worlds, scenes = read_worlds(TRAINING_SEED, arguments.looks, 5, arguments.jobs)
     print(f"{len(worlds)} pictures rendered in {time.perf_counter() - start:.0f} s", flush=True)
@@ -161,7 +171,7 @@ def main() -> None:
     for (concept, signature), parts in zip(keys, fitted, strict=True):
         for part, array in parts.items():
             arrays["|".join(("classifier", concept, *signature, part))] = array
-    np.savez_compressed(directory / "weights.npz", **arrays)  # type: ignore[arg-type]
+    np.savez_compressed(directory / WEIGHTS, **arrays)  # type: ignore[arg-type]
     model = ReaderModel.load(directory)
     card = {
         "what": "balanced accuracy per word on renders from seed 7002; Unknown counts as wrong",

@@ -59,6 +59,10 @@ class Data:
             for p in range(len(self.predicates))
         ]
 
+    def cost(self, predicate: int) -> float:
+        """What choosing a candidate costs in the objective."""
+        return self.candidates[predicate - self.initial].cost
+
     def types(self, objects: ObjectIds) -> tuple[Type, ...]:
         """The types of ``objects``."""
         return tuple(self.objects[o].type for o in objects)

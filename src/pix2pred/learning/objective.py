@@ -47,7 +47,7 @@ class Objective:
         """
         predicates = (*range(self._data.initial), *chosen)
         operators = schemas(self._data, classes, predicates, self._settings)
-        total = W_PRED * sum(self._data.candidates[p - self._data.initial].cost for p in chosen)
+        total = W_PRED * sum(self._data.cost(p) for p in chosen)
         demos: list[float | None] = [None] * len(self._data.demos)
         budget_hits = 0
         exact = True

@@ -66,12 +66,15 @@ class TieRule:
     margin: float
 
     def choose(self, data: Data, settings: LearningSettings, scored: Sequence[_Scored]) -> _Scored:
-        """The winner: fewest arguments, then best explained by its own operators, then first by name."""
+        """The winner: cheapest, then best explained by its own operators, then first by name.
+
+        A visual predicate costs its number of arguments; feature and quantified predicates cost more.
+        """
         smallest = min(s.score.total for s in scored)
         rivals = [s for s in scored if s.score.total <= smallest + self.margin]
         if self.margin == 0 or len(rivals) == 1:
             return rivals[0]
-        return min(rivals, key=lambda s: (data.predicates[s.predicate].arity, _disagreements(data, settings, s)))
+        return min(rivals, key=lambda s: (data.cost(s.predicate), _disagreements(data, settings, s)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,11 +149,12 @@ class HillClimbing:
         return previous - current <= self._settings.j_threshold
 
     def _distinct_columns(self) -> dict[int, list[int]]:
-        """The first candidate by name of every distinct truth column, with the others that share it."""
+        """The cheapest candidate (first by name) of every distinct truth column, with the others that share it."""
         by_column: dict[tuple[object, ...], list[int]] = {}
-        for p in range(self._data.initial, len(self._data.predicates)):
+        candidates = range(self._data.initial, len(self._data.predicates))
+        for p in sorted(candidates, key=self._data.cost):
             by_column.setdefault(self._data.column(p), []).append(p)
-        return {members[0]: members[1:] for members in by_column.values()}
+        return {members[0]: members[1:] for members in sorted(by_column.values())}
 
     def _expand(self, current: _Scored, progress: Progress) -> list[_Scored]:
         """Score every set with one more candidate, in order of name; hopeless ones get a lower bound."""

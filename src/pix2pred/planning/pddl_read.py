@@ -142,9 +142,8 @@ class _DomainReader:
     def _operator(self, group: Group) -> Operator:
         form = as_word(group.items[1]).text
         parts = {as_word(key).text: value for key, value in zip(group.items[2::2], group.items[3::2], strict=False)}
-        variables = {
-            w.text: Variable(w.text, self._type(t)) for w, t in typed_list(as_group(parts.get(":parameters", group)).items)
-        } if ":parameters" in parts else {}  # fmt: skip
+        parameters = typed_list(as_group(parts[":parameters"]).items) if ":parameters" in parts else ()
+        variables = {w.text: Variable(w.text, self._type(t)) for w, t in parameters}
         pre, unequal = self._conditions(parts.get(":precondition"), variables)
         add, delete = self._effects(parts.get(":effect"), variables)
         self._distinct &= unequal >= _overlapping(list(variables.values()))

@@ -7,6 +7,7 @@ suggestion where one does not exist.
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated, Any, TypeVar
 
@@ -38,6 +39,13 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_\-]*$", ma
 
 PredicateName = Annotated[str, StringConstraints(pattern=r"^[^\s(),;\"']+$", max_length=300)]
 """Predicate names also allow the brackets and signs of feature predicates."""
+
+
+Applied = Annotated[tuple[str, ...], Field(min_length=1)]
+"""A predicate or skill and its variables, ``[name, variable, ...]``."""
+
+MAX_ANCESTORS = 50
+"""Longer chains of parent types are refused: no domain has them, and they would exhaust the stack."""
 
 
 class UnknownNameError(ValueError):
@@ -104,11 +112,11 @@ class OperatorDoc(Document):
 
     name: str
     parameters: tuple[tuple[str, Name], ...]
-    preconditions: tuple[tuple[str, ...], ...]
-    add: tuple[tuple[str, ...], ...]
-    delete: tuple[tuple[str, ...], ...]
-    skill: tuple[str, ...]
-    support: int = 0
+    preconditions: tuple[Applied, ...]
+    add: tuple[Applied, ...]
+    delete: tuple[Applied, ...]
+    skill: Applied
+    support: int = Field(0, ge=0)
 
 
 class Names:
@@ -152,8 +160,11 @@ class Names:
         return Action(skill, bound, tuple(params))
 
     def lifted(self, parts: Sequence[str], variables: Mapping[str, Variable]) -> LiftedAtom:
-        """The lifted atom written as ``[name, variable, ...]``."""
-        return LiftedAtom(self.predicate(parts[0]), tuple(_look_up("variable", v, variables) for v in parts[1:]))
+        """The lifted atom written as ``[name, variable, ...]``; checks the number and types of the variables."""
+        predicate = self.predicate(parts[0])
+        bound = tuple(_look_up("variable", v, variables) for v in parts[1:])
+        _check_types(f"predicate {predicate}", predicate.types, bound)
+        return LiftedAtom(predicate, bound)
 
 
 def _look_up(kind: str, name: str, table: Mapping[str, T]) -> T:
@@ -162,45 +173,79 @@ def _look_up(kind: str, name: str, table: Mapping[str, T]) -> T:
     return table[name]
 
 
-def _check_types(what: str, types: Sequence[Type], objects: Sequence[Object]) -> None:
-    if len(types) != len(objects):
-        raise ValueError(f"{what} takes {len(types)} arguments, found {len(objects)}")
-    for wanted, found in zip(types, objects, strict=True):
+def _check_types(what: str, types: Sequence[Type], bound: Sequence[Object | Variable]) -> None:
+    if len(types) != len(bound):
+        raise ValueError(f"{what} takes {len(types)} arguments, found {len(bound)}")
+    for wanted, found in zip(types, bound, strict=True):
         if not found.type.is_a(wanted):
             raise ValueError(f"{what}: {found.name} is a {found.type.name}, not a {wanted.name}")
 
 
+def check_distinct(kind: str, names: Sequence[str]) -> None:
+    """Raise ``ValueError`` when a name of a ``kind`` of thing is there twice."""
+    if repeated := {n for n in names if names.count(n) > 1}:
+        raise ValueError(f"{kind} {sorted(repeated)[0]!r} is declared twice")
+
+
 def build_types(docs: Iterable[TypeDoc]) -> tuple[Type, ...]:
-    """Types in the order given, parents resolved whatever their order. Raises on repeats, cycles, unknown parents."""
+    """Types in the order given, parents resolved whatever their order.
+
+    Raises ``ValueError`` on repeats, cycles, unknown parents and more than ``MAX_ANCESTORS``.
+    """
     table: dict[str, TypeDoc] = {}
     for doc in docs:
         if doc.name in table:
             raise ValueError(f"type {doc.name!r} is declared twice")
         table[doc.name] = doc
     built: dict[str, Type] = {}
+    for name in table:
+        for ancestor in reversed(_lineage(name, table)):
+            doc = table[ancestor]
+            built.setdefault(ancestor, Type(ancestor, doc.features, built[doc.parent] if doc.parent else None))
+    return tuple(built[name] for name in table)
 
-    def build(name: str, below: tuple[str, ...]) -> Type:
-        if name in below:
-            raise ValueError(f"type {name!r} is its own ancestor: {' > '.join((*below, name))}")
-        if name not in built:
-            doc = _look_up("type", name, table)
-            parent = build(doc.parent, (*below, name)) if doc.parent else None
-            built[name] = Type(name, doc.features, parent)
-        return built[name]
 
-    return tuple(build(name, ()) for name in table)
+def _lineage(name: str, table: Mapping[str, TypeDoc]) -> list[str]:
+    """``name``, its parent, and so on to a type without a parent."""
+    line = [name]
+    while parent := _look_up("type", line[-1], table).parent:
+        if parent in line:
+            raise ValueError(f"type {parent!r} is its own ancestor: {' > '.join((*line, parent))}")
+        if len(line) > MAX_ANCESTORS:
+            raise ValueError(f"type {name!r} has more than {MAX_ANCESTORS} ancestors")
+        line.append(parent)
+    return line
 
 
 def build_skill(doc: SkillDoc, types: Mapping[str, Type]) -> Skill:
     """The skill described by ``doc``."""
     if len(doc.low) != len(doc.high) or any(lo > hi for lo, hi in zip(doc.low, doc.high, strict=True)):
         raise ValueError(f"skill {doc.name}: low and high must have equal lengths and low <= high")
+    if not all(math.isfinite(bound) for bound in (*doc.low, *doc.high)):
+        raise ValueError(f"skill {doc.name}: a bound is not a number or not finite")
     return Skill(doc.name, tuple(_look_up("type", t, types) for t in doc.types), doc.low, doc.high)
 
 
 def build_predicate(doc: PredicateDoc, types: Mapping[str, Type]) -> Predicate:
     """The predicate described by ``doc``."""
     return Predicate(doc.name, tuple(_look_up("type", t, types) for t in doc.types), _build_source(doc))
+
+
+def check_triggers(predicate: Predicate, skills: Iterable[Skill]) -> None:
+    """Raise ``ValueError`` when a skill named by the source of ``predicate`` does not exist or does not fit it."""
+    if not isinstance(predicate.source, FromSkills):
+        return
+    table = {s.name: s for s in skills}
+    for trigger in (*predicate.source.set_by, *predicate.source.cleared_by):
+        skill = _look_up("skill", trigger.skill, table)
+        if len(trigger.args) != predicate.arity:
+            what = f"predicate {predicate} takes {predicate.arity} arguments"
+            raise ValueError(f"{what}, its trigger {skill} binds {len(trigger.args)}")
+        for wanted, position in zip(predicate.types, trigger.args, strict=True):
+            if not 0 <= position < len(skill.types):
+                raise ValueError(f"predicate {predicate}: skill {skill} has no argument {position}")
+            if not (skill.types[position].is_a(wanted) or wanted.is_a(skill.types[position])):
+                raise ValueError(f"predicate {predicate}: argument {position} of skill {skill} is not a {wanted}")
 
 
 def _build_source(doc: PredicateDoc) -> Source:
@@ -278,22 +323,27 @@ def operator_doc(op: Operator) -> dict[str, Any]:
 
 
 def build_operator(doc: OperatorDoc, names: Names) -> Operator:
-    """The operator described by ``doc``."""
+    """The operator described by ``doc``. Raises ``ValueError`` naming the operator."""
+    try:
+        return _build_operator(doc, names)
+    except ValueError as error:
+        raise ValueError(f"operator {doc.name}: {error}") from error
+
+
+def _build_operator(doc: OperatorDoc, names: Names) -> Operator:
+    check_distinct("parameter", [name for name, _ in doc.parameters])
     variables = {name: Variable(name, names.type(type_name)) for name, type_name in doc.parameters}
+    skill = names.skill(doc.skill[0])
+    skill_args = tuple(_look_up("variable", v, variables) for v in doc.skill[1:])
+    _check_types(f"skill {skill.name}", skill.types, skill_args)
 
     def atoms(group: Iterable[Sequence[str]]) -> frozenset[LiftedAtom]:
         return frozenset(names.lifted(parts, variables) for parts in group)
 
     return Operator(
-        doc.name,
-        tuple(variables.values()),
-        atoms(doc.preconditions),
-        atoms(doc.add),
-        atoms(doc.delete),
-        names.skill(doc.skill[0]),
-        tuple(_look_up("variable", v, variables) for v in doc.skill[1:]),
-        doc.support,
-    )
+        doc.name, tuple(variables.values()), atoms(doc.preconditions), atoms(doc.add), atoms(doc.delete),
+        skill, skill_args, doc.support,
+    )  # fmt: skip
 
 
 class VocabularyDoc(Document):
@@ -316,16 +366,15 @@ def vocabulary_doc(vocabulary: Vocabulary) -> dict[str, Any]:
 
 
 def build_vocabulary(doc: VocabularyDoc) -> Vocabulary:
-    """The vocabulary described by ``doc``. Raises on repeated or unknown names."""
+    """The vocabulary described by ``doc``. Raises ``ValueError`` on repeated or unknown names."""
+    for entry in doc.types:
+        check_distinct(f"type {entry.name}: feature", entry.features)
+    check_distinct("skill", [s.name for s in doc.skills])
+    check_distinct("predicate", [p.name for p in doc.predicates])
     types = build_types(doc.types)
     table = {t.name: t for t in types}
-    for kind, entries in (("skill", doc.skills), ("predicate", doc.predicates)):
-        names = [entry.name for entry in entries]
-        if repeated := {n for n in names if names.count(n) > 1}:
-            raise ValueError(f"{kind} {sorted(repeated)[0]!r} is declared twice")
-    return Vocabulary(
-        doc.name,
-        types,
-        tuple(build_skill(s, table) for s in doc.skills),
-        tuple(build_predicate(p, table) for p in doc.predicates),
-    )
+    skills = tuple(build_skill(s, table) for s in doc.skills)
+    initial = tuple(build_predicate(p, table) for p in doc.predicates)
+    for predicate in initial:
+        check_triggers(predicate, skills)
+    return Vocabulary(doc.name, types, skills, initial)

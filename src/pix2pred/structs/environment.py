@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import Any, Protocol
 
 from pix2pred.structs.demos import Demo, Task, Vocabulary
@@ -66,6 +67,8 @@ class Domain(Protocol):
 
     name: str
     families: Sequence[str]
+    reader: Path | None
+    """Folder with the offline reader's word list and weights, if the domain has one."""
 
     def vocabulary(self, family: str) -> Vocabulary:
         """Types, skills and initial predicates of a family."""

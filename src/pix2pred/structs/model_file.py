@@ -17,6 +17,8 @@ from pix2pred.structs.documents import (
     build_operator,
     build_predicate,
     build_vocabulary,
+    check_distinct,
+    check_triggers,
     operator_doc,
     predicate_doc,
     vocabulary_doc,
@@ -58,25 +60,34 @@ def load_model(path: Path) -> WorldModel:
     """Read a world model. Raises ``ModelFileError`` for anything else, unknown versions included."""
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ModelFileError(f"{path}: cannot be read as a world model ({error})") from error
     if not isinstance(data, dict) or data.get("format") != "pix2pred-world-model":
         raise ModelFileError(f"{path}: is not a pix2pred world model")
-    if data.get("version") != VERSION:
+    version = data.get("version")
+    if type(version) is not int or version != VERSION:
         raise ModelFileError(
-            f"{path}: has schema version {data.get('version')!r}; this program reads version {VERSION}. "
+            f"{path}: has schema version {version!r}; this program reads version {VERSION}. "
             "Install the pix2pred release that wrote it, or learn the model again."
         )
     try:
-        doc = WorldModelDoc.model_validate(data)
-        vocabulary = build_vocabulary(doc.vocabulary)
-        types = {t.name: t for t in vocabulary.types}
-        selected = tuple(build_predicate(p, types) for p in doc.selected)
-        names = Names(vocabulary.types, vocabulary.skills, (*vocabulary.initial, *selected))
-        return WorldModel(vocabulary, selected, tuple(build_operator(o, names) for o in doc.operators), doc.labels_from)
+        return _build_model(WorldModelDoc.model_validate(data))
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
         raise ModelFileError(f"{path}: {where}: {first['msg']}") from error
     except ValueError as error:
         raise ModelFileError(f"{path}: {error}") from error
+
+
+def _build_model(doc: WorldModelDoc) -> WorldModel:
+    vocabulary = build_vocabulary(doc.vocabulary)
+    types = {t.name: t for t in vocabulary.types}
+    selected = tuple(build_predicate(p, types) for p in doc.selected)
+    predicates = (*vocabulary.initial, *selected)
+    check_distinct("predicate", [p.name for p in predicates])
+    check_distinct("operator", [o.name for o in doc.operators])
+    for predicate in selected:
+        check_triggers(predicate, vocabulary.skills)
+    names = Names(vocabulary.types, vocabulary.skills, predicates)
+    return WorldModel(vocabulary, selected, tuple(build_operator(o, names) for o in doc.operators), doc.labels_from)

@@ -43,4 +43,4 @@ class Action:
 
     def __str__(self) -> str:
         text = f"{self.skill.name}({', '.join(o.name for o in self.objects)})"
-        return text + (f"[{', '.join(repr(p) for p in self.params)}]" if self.params else "")
+        return text + (f"[{', '.join(repr(float(p)) for p in self.params)}]" if self.params else "")

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
+import PIL.ExifTags
 import PIL.Image
+import PIL.ImageOps
 from numpy.typing import NDArray
+from PIL.JpegImagePlugin import JpegImageFile
+from PIL.PngImagePlugin import PngImageFile
 
 from pix2pred.structs.objects import Object
 from pix2pred.structs.predicates import Atom
@@ -22,6 +26,13 @@ Pixels = NDArray[np.uint8]
 
 MAX_PIXELS = 64_000_000
 """Larger pictures are refused: no camera in the field makes them, decompression bombs do."""
+
+
+_DECODERS = {b"\x89PNG\r\n\x1a\n": PngImageFile, b"\xff\xd8\xff": JpegImageFile}
+"""The formats read, by their first bytes. ``PIL.Image.open`` would warn of large pictures before we know their size."""
+
+_SIDEWAYS = frozenset({5, 6, 7, 8})
+"""EXIF orientations that swap width and height."""
 
 
 class PictureError(ValueError):
@@ -75,7 +86,7 @@ class Image:
         buffer = io.BytesIO()
         PIL.Image.fromarray(pixels).save(buffer, "PNG", compress_level=1)
         image = cls(buffer.getvalue())
-        image.__dict__["digest"] = _digest(pixels)
+        image.__dict__ |= {"digest": _digest(pixels), "size": (pixels.shape[1], pixels.shape[0])}
         return image
 
     @property
@@ -84,25 +95,37 @@ class Image:
         return self._source if isinstance(self._source, bytes) else self._source.read_bytes()
 
     def pixels(self) -> Pixels:
-        """Decode. Raises ``PictureError`` for what is not a picture of a sane size."""
+        """Decode, upright. Raises ``PictureError`` for what is not a PNG or JPEG picture of a sane size."""
+        with self._opened() as opened:
+            return np.asarray(PIL.ImageOps.exif_transpose(opened).convert("RGB"), dtype=np.uint8)
+
+    @cached_property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels, upright. Raises ``PictureError``."""
+        with self._opened() as opened:
+            width, height = opened.size
+            sideways = opened.getexif().get(PIL.ExifTags.Base.Orientation) in _SIDEWAYS
+            return (height, width) if sideways else (width, height)
+
+    @contextmanager
+    def _opened(self) -> Iterator[PIL.Image.Image]:
+        """The picture before decoding; whatever goes wrong with it is a ``PictureError``."""
         name = self._source if isinstance(self._source, Path) else "picture"
         try:
-            with PIL.Image.open(io.BytesIO(self.encoded)) as opened:
+            content = self.encoded
+            decoder = next((d for start, d in _DECODERS.items() if content.startswith(start)), None)
+            if decoder is None:
+                raise PictureError(f"{name}: cannot be read as a picture (neither PNG nor JPEG)")
+            with decoder(io.BytesIO(content)) as opened:
                 if opened.width * opened.height > MAX_PIXELS:
                     raise PictureError(
                         f"{name}: {opened.width}x{opened.height} pixels is more than {MAX_PIXELS}; scale it down"
                     )
-                return np.asarray(opened.convert("RGB"), dtype=np.uint8)
+                yield opened
         except PictureError:
             raise
-        except (OSError, ValueError, SyntaxError, PIL.Image.DecompressionBombError) as error:
+        except Exception as error:  # the decoders fail in many ways on damaged files
             raise PictureError(f"{name}: cannot be read as a picture ({error})") from error
-
-    @cached_property
-    def size(self) -> tuple[int, int]:
-        """(width, height) in pixels."""
-        height, width = self.pixels().shape[:2]
-        return width, height
 
     @cached_property
     def digest(self) -> str:
@@ -127,7 +150,7 @@ class Picture:
 
     camera: str
     image: Image
-    boxes: Mapping[str, Box] = field(default_factory=lambda: MappingProxyType({}))
+    boxes: Mapping[str, Box] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +162,7 @@ class State:
     """
 
     pictures: tuple[Picture, ...] = ()
-    features: Mapping[Object, tuple[float, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    features: Mapping[Object, tuple[float, ...]] = field(default_factory=dict)
     given: frozenset[Atom] = frozenset()
 
 

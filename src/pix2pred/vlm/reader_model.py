@@ -23,6 +23,9 @@ from pix2pred.vlm.pixels import MEASURES, Scene, Vector
 
 Array = NDArray[np.float32]
 
+WORDS, WEIGHTS = "words.yaml", "weights.npz"
+"""The files of a reader's folder."""
+
 
 class WordDoc(Document):
     """A word the reader knows. Either it reads a ``concept`` (or its negation) with a trained classifier, or it is a
@@ -53,6 +56,11 @@ class WordListDoc(Document):
             for signature in word.types
             for types in product(*(self.kinds.get(t, (t,)) for t in signature))
         ]
+
+
+def load_words(directory: Path) -> WordListDoc:
+    """The word list in a reader's folder."""
+    return WordListDoc.model_validate(yaml.safe_load((directory / WORDS).read_text(encoding="utf-8")))
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,13 +123,12 @@ class ReaderModel:
     @classmethod
     def load(cls, directory: Path) -> ReaderModel:
         """Read ``words.yaml`` and ``weights.npz`` from ``directory``."""
-        text = (directory / "words.yaml").read_bytes()
-        weights = (directory / "weights.npz").read_bytes()
-        words = WordListDoc.model_validate(yaml.safe_load(text))
-        with np.load(directory / "weights.npz", allow_pickle=False) as arrays:
+        text = (directory / WORDS).read_bytes()
+        weights = (directory / WEIGHTS).read_bytes()
+        with np.load(directory / WEIGHTS, allow_pickle=False) as arrays:
             table = {key: arrays[key].astype(np.float32) for key in arrays.files}
         projections, classifiers = unpack(table)
-        return cls(words, projections, classifiers, hashlib.sha256(text + weights).hexdigest())
+        return cls(load_words(directory), projections, classifiers, hashlib.sha256(text + weights).hexdigest())
 
     def value(self, word: str, names: Sequence[str], types: Sequence[str], scene: Scene) -> tuple[bool | None, float]:
         """(value or None for unknown, probability of True) of a word about objects in a picture."""

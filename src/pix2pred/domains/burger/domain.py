@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from pix2pred.domains.burger.classifiers import objects_of
@@ -23,6 +24,7 @@ class BurgerDomain:
     """
 
     name: str = "burger"
+    reader: Path | None = Path(__file__).parent / "reader"
 
     def __init__(self, variant: Variant = "paper", held_z: int = 1) -> None:
         if variant not in ("paper", "reference"):

@@ -51,7 +51,7 @@ def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:
     The 2 keeps these scenes apart from demonstrations and tasks (see ``scenes.Split``).
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, 2)))
-    worlds = []
+    worlds: list[World] = []
     for _ in range(looks):
         look = int(rng.integers(2**31))
         worlds.extend(random_world(rng, look) for _ in range(per_look))

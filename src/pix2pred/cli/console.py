@@ -1,0 +1,86 @@
+"""What a person sees: progress on stderr, results on stdout."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from pix2pred.structs import Operator
+
+out = Console(highlight=False)
+err = Console(stderr=True, highlight=False)
+
+_STAGES = {
+    "generate": "Drawing demonstrations",
+    "propose": "Proposing predicates",
+    "label": "Labelling states",
+    "select": "Selecting predicates",
+    "solve": "Solving tasks",
+}
+
+
+class Bars:
+    """Progress bars, one per stage, in the order in which stages begin."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._tasks: dict[str, TaskID] = {}
+
+    def __call__(self, stage: str, done: int, total: int, text: str) -> None:
+        """Move the bar of ``stage``."""
+        if stage not in self._tasks:
+            self._tasks[stage] = self._progress.add_task(_STAGES.get(stage, stage), total=total, note="")
+        self._progress.update(self._tasks[stage], completed=done, total=total, note=text)
+
+
+@contextmanager
+def bars() -> Iterator[Bars]:
+    """Show progress bars on stderr while the block runs."""
+    columns = (
+        TextColumn("{task.description:<24}"),
+        BarColumn(bar_width=30),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("[dim]{task.fields[note]}"),
+    )
+    with Progress(*columns, console=err) as progress:
+        yield Bars(progress)
+
+
+def print_json(data: Mapping[str, Any]) -> None:
+    """One machine-readable object on one line, the last of stdout."""
+    print(json.dumps(data, ensure_ascii=False))
+
+
+def print_learned(metrics: Mapping[str, Any], operators: Sequence[Operator]) -> None:
+    """What was proposed, selected and learned."""
+    table = Table(title="World model", title_justify="left", show_header=False, box=None)
+    table.add_row("demonstrations", f"{metrics['demonstrations']} ({metrics['transitions']} skills)")
+    table.add_row("labels from", str(metrics["labels_from"]))
+    table.add_row("atoms proposed", f"{metrics['proposed']} usable, {metrics['rejected']} rejected")
+    table.add_row("candidates", f"{metrics['candidates']} predicates")
+    table.add_row("selected", escape(", ".join(metrics["selected"]) or "none"))
+    table.add_row("J", " > ".join(f"{j:,.0f}" for j in metrics["J"]))
+    table.add_row("operators", str(metrics["operators"]))
+    out.print(table)
+    for op in operators:
+        out.print(f"  {op.name:<5} {op.skill.name}({', '.join(v.type.name for v in op.skill_args)})", style="dim")
+
+
+def print_solved(summary: Mapping[str, Any]) -> None:
+    """One line per task, then the count."""
+    table = Table(title="Tasks", title_justify="left", box=None)
+    for column in ("task", "result", "skills", "why"):
+        table.add_column(column)
+    for episode in summary["episodes"]:
+        result = "[green]solved" if episode["solved"] else f"[red]{episode['failure']}"
+        table.add_row(escape(episode["task"]), result, str(len(episode["steps"])), escape(episode["detail"]))
+    out.print(table)
+    out.print(f"solved {summary['solved']} of {summary['tasks']}")

@@ -1,0 +1,89 @@
+"""``learn``: from a project folder to a run folder with a world model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import yaml
+from cyclopts import Parameter
+from pydantic import ValidationError
+
+from pix2pred.cli.console import bars, err, print_json, print_learned
+from pix2pred.demos import Project, read_project
+from pix2pred.pipeline import Settings
+from pix2pred.registry import RegistryError, load_vlm
+from pix2pred.run_folder import RunFolder
+from pix2pred.runs import learn_into
+from pix2pred.vlm import AnswerStore, CountingVLM, StoredVLM, StoreMode
+
+
+def learn(
+    data: Path,
+    /,
+    *,
+    out: Annotated[Path, Parameter(help="Run folder; the same command resumes an interrupted run.")],
+    vlm: Annotated[str, Parameter(help="Model that proposes and labels: offline.")] = "offline",
+    config: Annotated[Path | None, Parameter(help="YAML file with settings that differ from the defaults.")] = None,
+    answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None,
+    mode: Annotated[StoreMode, Parameter(help="live: ask; resume: ask what is not stored; replay: never ask.")] = (
+        StoreMode.RESUME
+    ),
+    json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+) -> int:
+    """Learn a world model from the demonstrations in a project folder.
+
+    Example: pix2pred learn data/stacks --vlm offline --out runs/stacks
+    """
+    project = read_project(data)
+    settings = resolve_settings(project, config)
+    metrics = run_learning(project, settings, vlm, out, answers, mode, quiet=json)
+    if json:
+        print_json(metrics)
+    else:
+        err.print(f"run folder: {out}")
+    return 0
+
+
+def run_learning(
+    project: Project, settings: Settings, vlm: str, out: Path, answers: Path | None, mode: StoreMode, *, quiet: bool
+) -> dict[str, Any]:
+    """Learn into the run folder ``out`` with progress bars; gives the summary."""
+    domain = (project.simulator or {}).get("domain")
+    model = load_vlm(vlm, domain)
+    store = AnswerStore(answers or out)
+    with RunFolder(out).locked() as run:
+        run.claim(
+            {
+                "vlm": vlm,
+                "model": model.name,
+                "simulator": dict(project.simulator or {}),
+                "settings": settings.model_dump(mode="json"),
+                "answers": str(answers.resolve()) if answers else None,
+            }
+        )
+        counting = CountingVLM(StoredVLM(model, store, mode))
+        with bars() as progress:
+            learned, metrics = learn_into(run, project.vocabulary, project.demos, counting, settings, progress)
+    if not quiet:
+        print_learned(metrics, learned.model.operators)
+    return metrics
+
+
+def resolve_settings(project: Project, config: Path | None) -> Settings:
+    """Defaults, overridden by the project's ``learning`` section, overridden by ``config``."""
+    given: dict[str, Any] = {"learning": dict(project.learning)}
+    if config is not None:
+        loaded = yaml.safe_load(config.read_text(encoding="utf-8")) or {}
+        if not isinstance(loaded, dict):
+            raise RegistryError(f"{config}: expected settings such as 'learning: {{j_threshold: 100}}'")
+        for section, values in loaded.items():
+            merge = isinstance(values, dict) and isinstance(given.get(section), dict)
+            given[section] = {**given[section], **values} if merge else values
+    try:
+        return Settings.model_validate(given)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        source = config or "the learning section of domain.yaml"
+        raise RegistryError(f"{source}: {where}: {first['msg']} (found {first['input']!r})") from error

@@ -1,0 +1,126 @@
+"""``solve``: unseen tasks with a learned world model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from pix2pred.cli.console import bars, out, print_json, print_solved
+from pix2pred.demos import FolderError, Problem, read_tasks
+from pix2pred.execution import Solver, TruthOf
+from pix2pred.pipeline import Settings
+from pix2pred.predicates import Labeller
+from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_vlm, word_truth
+from pix2pred.run_folder import RunFolder
+from pix2pred.runs import MODEL, solve_into
+from pix2pred.structs import PlanStatus
+from pix2pred.structs.environment import Environment, SimulatedTask
+from pix2pred.structs.model_file import load_model
+from pix2pred.vlm import AnswerStore, StoredVLM, StoreMode
+
+
+def solve(
+    run: Path,
+    /,
+    *,
+    tasks: Annotated[Path | None, Parameter(help="Project folder whose tasks to solve, instead of new ones.")] = None,
+    domain: Annotated[str | None, Parameter(help="Domain of new tasks [default: the run's].")] = None,
+    family: Annotated[str | None, Parameter(help="Family of new tasks [default: the run's].")] = None,
+    seed: int = 0,
+    count: int = 10,
+    planner: Annotated[str, Parameter(help="portfolio, astar-lmcut or gbfs-ff.")] = "portfolio",
+    plan_only: Annotated[bool, Parameter(help="Label and plan; execute nothing, need no simulator.")] = False,
+    json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+) -> int:
+    """Solve unseen tasks in the simulator with the world model of a run folder.
+
+    Example: pix2pred solve runs/stacks --domain burger --family more-stacks --seed 1 --count 10
+    """
+    with RunFolder(run).locked() as folder:
+        solver, config = load_solver(folder, planner)
+        domain = domain or config["simulator"].get("domain")
+        family = family or config["simulator"].get("family")
+        chosen, name = _tasks(tasks, solver, domain, family, seed, count, plan_only=plan_only)
+        if plan_only:
+            return _plan(folder, name, chosen, solver, as_json=json)
+        summary = run_solving(folder, name, chosen, solver, str(domain))
+    if json:
+        print_json(summary)
+    else:
+        print_solved(summary)
+    return 0 if summary["solved"] == summary["tasks"] else 1
+
+
+def load_solver(folder: RunFolder, planner: str) -> tuple[Solver, dict[str, Any]]:
+    """A solver with the model, labeller and answer store of a run, and the run's configuration."""
+    config = folder.config()
+    model = load_model(folder.path / MODEL)
+    settings = Settings.model_validate(config["settings"])
+    vlm = load_vlm(config["vlm"], config["simulator"].get("domain"))
+    if vlm.name != config["model"]:
+        raise RegistryError(f"the run was labelled by {config['model']}, but --vlm {config['vlm']} is now {vlm.name}")
+    store = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
+    labeller = Labeller(StoredVLM(vlm, store, StoreMode.RESUME), settings.labels)
+    return Solver(model, load_planner(planner), labeller), config
+
+
+def run_solving(
+    folder: RunFolder, name: str, tasks: Sequence[SimulatedTask], solver: Solver, domain: str
+) -> dict[str, Any]:
+    """Solve with progress bars; gives the summary."""
+    made = load_domain(domain)
+
+    def environment_for(task: SimulatedTask) -> tuple[Environment, TruthOf | None]:
+        environment = made.environment(task.task, task.simulator)
+        return environment, word_truth(made, environment)
+
+    with bars() as progress:
+        solved = solve_into(
+            folder, name, tasks, solver, environment_for, lambda done, total, text: progress("solve", done, total, text)
+        )
+    return solved.as_dict()
+
+
+def _tasks(
+    directory: Path | None,
+    solver: Solver,
+    domain: str | None,
+    family: str | None,
+    seed: int,
+    count: int,
+    *,
+    plan_only: bool,
+) -> tuple[list[SimulatedTask], str]:
+    """The tasks asked for and a name for the results."""
+    if directory is None:
+        if domain is None or family is None:
+            raise RegistryError("name the tasks: --tasks DIR, or --domain and --family of a simulator")
+        made = load_domain(domain)
+        check_family(made, family)
+        return list(made.tasks(family, seed, count)), f"{domain}-{family}-seed{seed}"
+    stored = read_tasks(directory, solver.model.vocabulary)
+    lacking = [
+        Problem(s.simulator_path, None, "is missing; --plan-only plans without") for s in stored if not s.simulator
+    ]
+    if not stored:
+        raise FolderError([Problem(directory / "tasks", None, "holds no task")])
+    if lacking and not plan_only:
+        raise FolderError(lacking)
+    return [SimulatedTask(s.task, s.simulator or {}) for s in stored], directory.resolve().name
+
+
+def _plan(folder: RunFolder, name: str, tasks: Sequence[SimulatedTask], solver: Solver, *, as_json: bool) -> int:
+    plans = []
+    for task in tasks:
+        _, result = solver.plan(task.task)
+        plans.append({"task": task.task.name, "status": result.status, "plan": [str(step) for step in result.plan]})
+    folder.write_json(f"plans/{name}.json", plans)
+    if as_json:
+        print_json({"plans": plans})
+    else:
+        for entry in plans:
+            out.print(f"{entry['task']}: {entry['status']}, {len(entry['plan'])} skills")
+    return 0 if all(entry["status"] == PlanStatus.SOLVED for entry in plans) else 1

@@ -1,0 +1,87 @@
+"""The whole method on one page: from demonstrations to a world model, and from a task to an episode.
+
+propose -> lift -> (+ feature grammar) -> label -> select and learn operators      learn()
+abstract -> plan -> execute                                                        Solver (execution room)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from pix2pred.learning import HillClimbing, LearningSettings, Selection, skeleton_search, tie_rule
+from pix2pred.predicates import (
+    GrammarSettings,
+    Labeller,
+    Labelling,
+    LabelSettings,
+    Proposal,
+    ProposalSettings,
+    feature_predicates,
+    label_demos,
+    lift,
+    propose,
+)
+from pix2pred.structs import Demo, Vocabulary, WorldModel
+from pix2pred.vlm import VLM
+
+
+class Settings(BaseModel):
+    """Everything a run can be told. Frozen; the resolved settings are saved with every run."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    proposal: ProposalSettings = Field(default_factory=ProposalSettings)
+    labels: LabelSettings = Field(default_factory=LabelSettings)
+    grammar: GrammarSettings = Field(default_factory=GrammarSettings)
+    learning: LearningSettings = Field(default_factory=LearningSettings)
+    concurrent_queries: int = Field(4, ge=1, description="queries under way at once; never changes a result")
+
+
+Progress = Callable[[str, int, int, str], None]
+"""Called with (stage, done, total, what is going on)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """A world model and everything it came from."""
+
+    model: WorldModel
+    proposals: tuple[Proposal, ...]
+    labelling: Labelling
+    selection: Selection
+
+
+def learn(
+    vocabulary: Vocabulary,
+    demos: Sequence[Demo],
+    vlm: VLM,
+    settings: Settings,
+    progress: Progress = lambda stage, done, total, text: None,
+) -> Learned:
+    """Learn a world model from demonstrations (method 2-6).
+
+    Raises ``EmptyProposalError`` when the model proposes nothing usable, ``VLMError`` when it cannot be asked.
+    """
+    jobs = settings.concurrent_queries
+    progress("propose", 0, len(demos), vlm.name)
+    proposals = propose(demos, vlm, settings.proposal, jobs)
+    progress("propose", len(demos), len(demos), vlm.name)
+    visual = lift(proposals, taken=[p.name for p in vocabulary.initial])
+    features = feature_predicates(demos, vocabulary.types, settings.grammar)
+    labelling = label_demos(
+        demos,
+        vocabulary.initial,
+        (*visual, *features),
+        Labeller(vlm, settings.labels),
+        jobs=jobs,
+        progress=lambda done, total, name: progress("label", done, total, name),
+    )
+    climb = HillClimbing(
+        labelling.table, settings.learning, skeleton_search(settings.learning), tie_rule(settings.learning)
+    )
+    selection = climb.run(lambda done, total, name: progress("select", done, total, name))
+    model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
+    return Learned(model, proposals, labelling, selection)

@@ -1,0 +1,94 @@
+"""The one place where a name becomes an object: domains, models behind ``--vlm``, planners.
+
+Other packages add domains through the entry point group ``pix2pred.domains``; a value is a class without required
+arguments that implements ``structs.environment.Domain``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any
+
+from pix2pred.execution import TruthOf
+from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio
+from pix2pred.structs import Atom, FromVLM
+from pix2pred.structs.documents import UnknownNameError
+from pix2pred.structs.environment import Domain, Environment
+from pix2pred.vlm import VLM
+
+_DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
+_TRUTHS = {"burger": "pix2pred.domains.burger.truth:concept_value"}
+
+PLANNERS: dict[str, Callable[[], Planner]] = {
+    "astar-lmcut": lambda: Planner(AStar()),
+    "gbfs-ff": lambda: Planner(GreedyBestFirst()),
+    "portfolio": lambda: Planner(Portfolio((AStar(max_nodes=5_000), GreedyBestFirst()))),
+}
+"""``portfolio``, the default, plans optimally where that is cheap and greedily otherwise."""
+
+
+class RegistryError(ValueError):
+    """A name that cannot be turned into what is asked for; the message says what would work."""
+
+
+def load_domain(name: str) -> Domain:
+    """The domain called ``name``. Raises ``UnknownNameError``."""
+    found = {e.name: e.value for e in entry_points(group="pix2pred.domains")} | _DOMAINS
+    if name not in found:
+        raise UnknownNameError("domain", name, found)
+    made: Domain = _load(found[name])()
+    return made
+
+
+def check_family(domain: Domain, family: str) -> None:
+    """Raise ``UnknownNameError`` unless ``domain`` has the family."""
+    if family not in domain.families:
+        raise UnknownNameError("family", family, domain.families)
+
+
+def load_vlm(spec: str, domain: str | None) -> VLM:
+    """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
+    if spec != "offline":
+        raise RegistryError(f"--vlm {spec}: the only model of this release is 'offline'")
+    reader = load_domain(domain).reader if domain else None
+    if reader is None:
+        raise RegistryError("the offline reader knows only the bundled domains; name a model with --vlm for your data")
+    from pix2pred.vlm.reader import OfflineReader
+    from pix2pred.vlm.reader_model import ReaderModel
+
+    return OfflineReader(str(domain), ReaderModel.load(reader))
+
+
+def load_planner(name: str) -> Planner:
+    """The planner called ``name``. Raises ``UnknownNameError``."""
+    if name not in PLANNERS:
+        raise UnknownNameError("planner", name, PLANNERS)
+    return PLANNERS[name]()
+
+
+def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
+    """What the simulator knows about the reader's words in the environment's present state, to name failures with."""
+    if domain.name not in _TRUTHS or domain.reader is None:
+        return None
+    from pix2pred.vlm.reader_model import load_words
+
+    uses = {(word.word, types): word for word, types in load_words(domain.reader).uses()}
+    value: Callable[[Any, str, Sequence[str]], bool] = _load(_TRUTHS[domain.name])
+
+    def truth(atom: Atom) -> bool | None:
+        source = atom.predicate.source
+        phrase = source.phrase if isinstance(source, FromVLM) else ""
+        word = uses.get((phrase, tuple(o.type.name for o in atom.objects)))
+        if word is None or word.concept is None:
+            return None
+        world: Any = environment.world  # type: ignore[attr-defined]
+        return value(world, word.concept, [o.name for o in atom.objects]) != word.negated
+
+    return truth
+
+
+def _load(target: str) -> Any:
+    module, _, attribute = target.partition(":")
+    return getattr(import_module(module), attribute)

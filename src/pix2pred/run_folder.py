@@ -1,0 +1,102 @@
+"""The folder of a run: what was asked, what came of it, and nothing half-written.
+
+    config.yaml                  the resolved settings, the data and the model that labelled it
+    answers/, blobs/             the answer store (unless another one was named)
+    proposals.json               accepted and rejected atoms per demonstration
+    labels/traces.json           the truth table, readable by ``pix2pred select``
+    selection.json               the climb, step by step
+    model/                       world_model.json, domain.pddl
+    metrics.json, timings.json   counts; seconds and queries
+    solve/<name>/<task>.json     one file per episode
+
+Every file is written under another name and renamed. All but ``timings.json`` have the same bytes for the same inputs.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+
+class RunFolderError(ValueError):
+    """A folder that cannot serve for this run; the message says why and what to do."""
+
+
+class RunFolder:
+    """A run's folder. ``name`` arguments are paths inside it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    @contextmanager
+    def locked(self) -> Iterator[RunFolder]:
+        """Hold the folder for this process. Raises ``RunFolderError`` when another one works in it."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise RunFolderError(f"{self.path}: cannot be used as a run folder ({error.strerror})") from error
+        with (self.path / ".lock").open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
+            yield self
+
+    def claim(self, config: Mapping[str, Any]) -> None:
+        """Record ``config``, or check that the folder was made with the same one and can be resumed."""
+        text = yaml.safe_dump(dict(config), sort_keys=True, allow_unicode=True)
+        path = self.path / "config.yaml"
+        if not path.exists():
+            foreign = [p.name for p in self.path.iterdir() if p.name != ".lock" and not p.name.startswith(".config")]
+            if foreign:
+                raise RunFolderError(f"{self.path}: is not a run folder and not empty ({sorted(foreign)[0]} is in it)")
+            self.write("config.yaml", text)
+            return
+        found = yaml.safe_load(path.read_text(encoding="utf-8"))
+        if found != yaml.safe_load(text):
+            keys = sorted(k for k in {*found, *config} if found.get(k) != dict(config).get(k))
+            raise RunFolderError(
+                f"{self.path}: holds a run with another {', '.join(keys)}; choose another folder with --out, "
+                "or delete this one to start over"
+            )
+
+    def write(self, name: str, text: str) -> Path:
+        """Write a text file, which appears complete or not at all."""
+        path = self.path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = path.with_name(f".{path.name}.{os.getpid()}")
+        try:
+            temporary.write_text(text, encoding="utf-8")
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+        return path
+
+    def write_json(self, name: str, data: Any) -> Path:
+        """Write a JSON file."""
+        return self.write(name, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+
+    def read_json(self, name: str) -> Any:
+        """A JSON file's content, or ``None`` when there is no such file. Raises ``RunFolderError`` if damaged."""
+        path = self.path / name
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except ValueError as error:
+            raise RunFolderError(f"{path}: is damaged ({error}); delete it to make it again") from error
+
+    def config(self) -> dict[str, Any]:
+        """What the run was made with. Raises ``RunFolderError`` when the folder holds no run."""
+        path = self.path / "config.yaml"
+        if not path.is_file():
+            raise RunFolderError(f"{self.path}: holds no run (no config.yaml); make one with 'pix2pred learn'")
+        config: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+        return config

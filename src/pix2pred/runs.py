@@ -1,0 +1,166 @@
+"""Learning and solving into a run folder, so that nothing is lost and everything can be resumed."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pix2pred.execution import Solver, TruthOf
+from pix2pred.learning import Selection, dump_traces
+from pix2pred.pipeline import Learned, Progress, Settings, learn
+from pix2pred.planning.pddl_write import write_domain
+from pix2pred.predicates import Proposal
+from pix2pred.run_folder import RunFolder
+from pix2pred.structs import UNKNOWN, Demo, Episode, Failure, Vocabulary
+from pix2pred.structs.environment import Environment, SimulatedTask
+from pix2pred.structs.model_file import dump_model
+from pix2pred.vlm import CountingVLM
+
+MODEL = "model/world_model.json"
+
+
+def learn_into(
+    run: RunFolder,
+    vocabulary: Vocabulary,
+    demos: Sequence[Demo],
+    vlm: CountingVLM,
+    settings: Settings,
+    progress: Progress,
+) -> tuple[Learned, dict[str, Any]]:
+    """Learn a world model and write every artefact; gives the model and the summary that ``metrics.json`` holds."""
+    started: dict[str, float] = {}
+    start = time.perf_counter()
+
+    def timed(stage: str, done: int, total: int, text: str) -> None:
+        started.setdefault(stage, time.perf_counter())
+        progress(stage, done, total, text)
+
+    learned = learn(vocabulary, demos, vlm, settings, timed)
+    seconds = time.perf_counter() - start
+    table, selection = learned.labelling.table, learned.selection
+    run.write_json("proposals.json", [_proposal_doc(p) for p in learned.proposals])
+    run.write("labels/traces.json", dump_traces(vocabulary, table, settings.learning.model_dump()))
+    run.write_json("selection.json", _selection_doc(selection))
+    run.write(MODEL, dump_model(learned.model))
+    run.write("model/domain.pddl", write_domain(learned.model))
+    metrics = {
+        "labels_from": learned.model.labels_from,
+        "demonstrations": len(demos),
+        "transitions": sum(len(d.actions) for d in demos),
+        "proposed": sum(len(p.accepted) for p in learned.proposals),
+        "rejected": sum(len(p.rejected) for p in learned.proposals),
+        "candidates": len(table.candidates()),
+        "labels": sum(d.values.size for d in table.demos),
+        "unknown_labels": table.count(UNKNOWN),
+        "label_problems": dict(sorted((k, v) for k, v in learned.labelling.counts.items() if v)),
+        "selected": [p.name for p in selection.selected],
+        "operators": len(selection.operators),
+        "J": [round(step.j, 4) for step in selection.steps],
+        "budget_hits": selection.budget_hits,
+    }
+    run.write_json("metrics.json", metrics)
+    stages = sorted(started.items(), key=lambda item: item[1])
+    ends = [*(t for _, t in stages[1:]), start + seconds]
+    run.write_json(
+        "timings.json",
+        {
+            "seconds": round(seconds, 3),
+            "stages": {name: round(end - begin, 3) for (name, begin), end in zip(stages, ends, strict=True)},
+            "queries": vlm.usage.as_dict(),
+        },
+    )
+    return learned, metrics | {"seconds": round(seconds, 3)}
+
+
+def _proposal_doc(proposal: Proposal) -> dict[str, Any]:
+    return {
+        "demo": proposal.demo,
+        "accepted": [f"{a.name}({', '.join(o.name for o in a.objects)})" for a in proposal.accepted],
+        "rejected": [{"text": r.text, "reason": r.reason} for r in proposal.rejected],
+    }
+
+
+def _selection_doc(selection: Selection) -> dict[str, Any]:
+    return {
+        "selected": [p.name for p in selection.selected],
+        "dropped": [p.name for p in selection.dropped],
+        "steps": [
+            {
+                "added": step.added.name if step.added else None,
+                "J": round(step.j, 4),
+                "J_demos": [None if j is None else round(j, 4) for j in step.j_demos],
+                "runners_up": [
+                    {"predicate": r.predicate.name, "J": round(r.j, 4), "lower_bound": not r.exact}
+                    for r in step.runners_up
+                ],
+            }
+            for step in selection.steps
+        ],
+        "identical_columns": {p.name: [q.name for q in others] for p, others in selection.identical},
+        "evaluations": selection.evaluations,
+        "scored": selection.scored,
+        "budget_hits": selection.budget_hits,
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """All episodes of one set of tasks."""
+
+    episodes: tuple[Episode, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Counts, failures by cause, and a row per episode."""
+        failures = Counter(e.failure.value for e in self.episodes if e.failure)
+        return {
+            "solved": sum(e.solved for e in self.episodes),
+            "tasks": len(self.episodes),
+            "failures": {cause.value: failures[cause.value] for cause in Failure if failures[cause.value]},
+            "episodes": [episode_doc(e) for e in self.episodes],
+        }
+
+
+EnvironmentFor = Callable[[SimulatedTask], tuple[Environment, TruthOf | None]]
+"""A fresh episode of a task, and what is known of the truth in it."""
+
+
+def solve_into(
+    run: RunFolder,
+    name: str,
+    tasks: Sequence[SimulatedTask],
+    solver: Solver,
+    environment_for: EnvironmentFor,
+    progress: Callable[[int, int, str], None],
+) -> Solved:
+    """Try every task once and write a file per episode, as soon as it ends."""
+    episodes = []
+    for i, stored in enumerate(tasks):
+        progress(i, len(tasks), stored.task.name)
+        environment, truth = environment_for(stored)
+        episode = solver.solve(stored.task, environment, truth)
+        run.write_json(f"solve/{name}/{stored.task.name}.json", episode_doc(episode))
+        episodes.append(episode)
+    progress(len(tasks), len(tasks), "")
+    solved = Solved(tuple(episodes))
+    run.write_json(f"solve/{name}/summary.json", solved.as_dict())
+    return solved
+
+
+def episode_doc(episode: Episode) -> Mapping[str, Any]:
+    """An episode as written in files."""
+    return {
+        "task": episode.task,
+        "solved": episode.solved,
+        "failure": episode.failure.value if episode.failure else None,
+        "detail": episode.detail,
+        "plan": list(episode.plan),
+        "steps": [
+            {"action": s.action, "operator": s.operator, "status": s.status, "detail": s.detail} for s in episode.steps
+        ],
+        "true_visual_labels": [str(a) for a in episode.labels],
+        "label_errors": list(episode.label_errors),
+        "nodes": episode.nodes,
+    }
