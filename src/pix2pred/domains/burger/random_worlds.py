@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,9 @@ from pix2pred.domains.burger.world import EDGE_CELLS, SIZE, Cell, Heading, Thing
 _ITEM_KINDS = ("patty", "lettuce", "cheese", "bottom_bun", "top_bun")
 _STACKED = 0.5
 _HELD = 0.45
+_FACING = 0.5
 _TALLEST = 5
+_INTERIOR = [Cell(r, c) for r in range(1, SIZE - 1) for c in range(1, SIZE - 1)]
 
 
 def random_world(rng: np.random.Generator, look: int) -> World:
@@ -34,7 +37,7 @@ def random_world(rng: np.random.Generator, look: int) -> World:
             stack.append(Thing(f"{kind}{counts[kind]}", kind, stack[0].cell, stack[-1].z + 1, prepared))
         else:
             stacks.append([Thing(f"{kind}{counts[kind]}", kind, free.pop(), 0, prepared)])
-    robot_cell = Cell(int(rng.integers(1, SIZE - 1)), int(rng.integers(1, SIZE - 1)))
+    robot_cell, heading = _robot_pose(rng, stacks)
     things = {t.name: t for stack in stacks for t in stack}
     held = None
     if rng.random() < _HELD:
@@ -42,7 +45,18 @@ def random_world(rng: np.random.Generator, look: int) -> World:
         if tops:
             held = tops[int(rng.integers(len(tops)))]
             things[held] = replace(things[held], cell=robot_cell, z=1)
-    return World(ROBOT_NAME, robot_cell, Heading(int(rng.integers(4))), held, tuple(things.values()), look)
+    return World(ROBOT_NAME, robot_cell, heading, held, tuple(things.values()), look)
+
+
+def _robot_pose(rng: np.random.Generator, stacks: Sequence[Sequence[Thing]]) -> tuple[Cell, Heading]:
+    """Half of the time in front of a stack, facing it; else anywhere, looking anywhere."""
+    if rng.random() < _FACING:
+        target = stacks[int(rng.integers(len(stacks)))][0].cell
+        for heading in Heading:
+            cell = next((c for c in _INTERIOR if c.toward(heading) == target), None)
+            if cell is not None:
+                return cell, heading
+    return _INTERIOR[int(rng.integers(len(_INTERIOR)))], Heading(int(rng.integers(4)))
 
 
 def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:

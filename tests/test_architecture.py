@@ -1,0 +1,97 @@
+"""The rooms of the design: imports point one way, files stay small, prompts and learning stay where they belong."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import pix2pred
+
+ROOT = Path(pix2pred.__file__).parent
+MAY_IMPORT: dict[str, set[str]] = {
+    "structs": set(),
+    "images": {"structs"},
+    "planning": {"structs"},
+    "vlm": {"structs"},
+    "domains": {"structs", "images"},
+    "demos": {"structs", "images", "planning", "vlm"},
+    "predicates": {"structs", "images", "planning", "vlm"},
+    "learning": {"structs", "images", "planning", "vlm", "demos", "predicates"},
+    "execution": {"structs", "images", "planning", "vlm", "demos", "predicates"},
+}
+LOWER = set(MAY_IMPORT) - {"domains"}
+MAY_IMPORT |= {
+    "pipeline": LOWER,
+    "run_folder": {"structs"},
+    "runs": LOWER | {"pipeline", "run_folder"},
+    "registry": LOWER | {"pipeline", "domains"},
+    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "cli"},
+}
+
+
+def _sources() -> list[Path]:
+    return sorted(ROOT.rglob("*.py"))
+
+
+def _room(path: Path) -> str:
+    parts = path.relative_to(ROOT).parts
+    return parts[0].removesuffix(".py")
+
+
+def _imports(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text())):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names = [str(node.module)]
+        yield from (n.split(".")[1] for n in names if n.startswith("pix2pred."))
+
+
+@pytest.mark.parametrize("path", _sources(), ids=lambda p: str(p.relative_to(ROOT)))
+def test_imports_point_one_way(path: Path) -> None:
+    room = _room(path)
+    if room == "__init__":
+        return
+    assert set(_imports(path)) - {room} <= MAY_IMPORT[room]
+
+
+@pytest.mark.parametrize("path", _sources(), ids=lambda p: str(p.relative_to(ROOT)))
+def test_files_and_functions_stay_small(path: Path) -> None:
+    text = path.read_text()
+    assert text.count("\n") <= 400
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            assert (node.end_lineno or 0) - node.lineno <= 80, f"{node.name} is too long"
+    assert path.stem not in {"utils", "common", "misc", "helpers"}
+
+
+def test_learning_never_asks_a_model() -> None:
+    for path in (ROOT / "learning").rglob("*.py"):
+        assert not {"vlm", "images", "predicates", "demos"} & set(_imports(path)), path
+
+
+def test_truth_of_words_is_imported_by_the_registry_alone() -> None:
+    for path in _sources():
+        if _room(path) not in ("domains", "registry"):
+            assert "domains" not in set(_imports(path)), path
+    for path in (ROOT / "domains").rglob("*.py"):
+        if path.name not in ("truth.py",):
+            assert "truth" not in {i.rpartition(".")[2] for i in _full_imports(path)}, path
+
+
+def _full_imports(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom):
+            yield str(node.module)
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    code = "import sys, pix2pred; print(sorted({'numpy', 'PIL', 'pydantic', 'sklearn'} & set(sys.modules)))"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert printed.strip() == "[]"
