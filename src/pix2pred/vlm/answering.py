@@ -1,0 +1,110 @@
+"""Reading our own prompts and writing answers in their format: what the reader and the oracle share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from pix2pred.structs.views import View
+
+_OBJECT_LINE = re.compile(r"^- (\S+) \(([^()\s]+)\)$", re.MULTILINE)
+_ATOM_LINE = re.compile(r"^([A-Za-z_]\w*)\(([^()]*)\)$")
+_PREVIOUS = re.compile(r"<previous>\n(.*?)\n</previous>", re.DOTALL)
+_VALUE_LINE = re.compile(r"^[* ]*([A-Za-z_]\w*\([^()]*\)): (True|False|Unknown)\b", re.MULTILINE)
+_NAMES = {True: "True", False: "False", None: "Unknown"}
+
+
+@dataclass(frozen=True, slots=True)
+class AskedAtom:
+    """An atom listed in a labelling prompt."""
+
+    word: str
+    names: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"{self.word}({', '.join(self.names)})"
+
+
+@dataclass(frozen=True, slots=True)
+class KnownWord:
+    """A word a model can propose for arguments of ``types``; words of one ``group`` mean the same or the opposite."""
+
+    word: str
+    types: tuple[str, ...]
+    group: str
+    negated: bool
+
+
+def object_types(text: str) -> dict[str, str]:
+    """The prompt's objects and their types."""
+    return dict(_OBJECT_LINE.findall(text))
+
+
+def asked_atoms(text: str) -> Iterator[AskedAtom]:
+    """The atoms to label, in the order of the prompt."""
+    for line in text.rpartition("\nPredicates:\n")[2].splitlines():
+        if match := _ATOM_LINE.match(line.strip()):
+            yield AskedAtom(match[1], tuple(n.strip() for n in match[2].split(",")))
+
+
+def previous_values(text: str) -> dict[str, str]:
+    """The values of the state before, as words, where the prompt tells them."""
+    match = _PREVIOUS.search(text)
+    return dict(_VALUE_LINE.findall(match[1])) if match else {}
+
+
+def current_views(views: Sequence[View]) -> list[View]:
+    """The uncropped pictures of the latest state."""
+    whole = [v for v in views if v.crop is None]
+    latest = max((v.state for v in whole), default=0)
+    return [v for v in whole if v.state == latest]
+
+
+def value_line(atom: AskedAtom, value: bool | None, why: str) -> str:
+    """One bulleted line of an answer."""
+    return f"* {atom}: {_NAMES[value]}. {why}"
+
+
+def label_answer(text: str, lines: Sequence[str]) -> str:
+    """The whole answer to the labelling prompt ``text``: three sections where it asks for them."""
+    values = "\n".join(lines)
+    if "<previous>" not in text:
+        return values
+    return (
+        "1. Expected changes: not considered; values are read from the picture alone.\n"
+        "2. Observed changes: see the values.\n"
+        f"3. Values:\n{values}"
+    )
+
+
+def proposal_answer(text: str, words: Sequence[KnownWord]) -> str:
+    """One line per group of words that applies to the prompt's objects, synonyms and antonyms below it."""
+    types = object_types(text)
+    lines = ["Predicates that describe the scene, with synonyms and antonyms."]
+    groups: dict[tuple[str, tuple[str, ...]], list[KnownWord]] = {}
+    for word in words:
+        groups.setdefault((word.group, word.types), []).append(word)
+    for (_, signature), members in groups.items():
+        example = _example(types, signature)
+        if example is None:
+            continue
+        args = ", ".join(example)
+        first, *rest = members
+        lines.append(f"* {first.word}({args})")
+        for title, negated in (("Synonyms", first.negated), ("Antonyms", not first.negated)):
+            related = [f"{w.word}({args})" for w in rest if w.negated == negated]
+            if related:
+                lines.append(f"  {title}: {', '.join(related)}")
+    return "\n".join([*lines, "In general: on(x, y) means that x rests on y."])
+
+
+def _example(types: Mapping[str, str], signature: Sequence[str]) -> list[str] | None:
+    """The first distinct objects of the signature's types, or None when the scene lacks one."""
+    chosen: list[str] = []
+    for wanted in signature:
+        fitting = [n for n, t in types.items() if t == wanted and n not in chosen]
+        if not fitting:
+            return None
+        chosen.append(fitting[0])
+    return chosen
