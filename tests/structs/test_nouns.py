@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pix2pred.structs import (
+    Action,
     Application,
     FromDomain,
     LiftedAtom,
@@ -138,3 +140,11 @@ def test_applying_deletes_first_and_then_adds() -> None:
 def test_grounding_needs_one_object_for_each_parameter() -> None:
     with pytest.raises(ValueError, match="zip"):
         pick().ground(OBJECTS[:2])
+
+
+def test_actions_print_plain_numbers() -> None:
+    cup, robot = OBJECTS[0], OBJECTS[1]
+    params = (np.float64(0.5), float(np.float32(0.25)), 1)
+    assert str(Action(PICK, (robot, cup), params)) == "Pick(r, c2)[0.5, 0.25, 1.0]"
+    assert str(Action(PICK, (robot, cup))) == "Pick(r, c2)"
+    assert Action(PICK, (robot, cup)).typed == "Pick[r:robot, c2:cup]"

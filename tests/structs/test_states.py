@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import io
+import pickle
 import warnings
+import zlib
 from pathlib import Path
 
 import numpy as np
+import PIL.ExifTags
 import PIL.Image
 import PIL.PngImagePlugin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pix2pred.structs import Box, Demo, Image, PictureError, Pixels, State
+from pix2pred.structs import Box, Demo, Image, Picture, PictureError, Pixels, State
 
 
 def pixels(seed: int, height: int = 7, width: int = 9) -> Pixels:
@@ -79,17 +82,79 @@ def test_a_missing_file_is_a_picture_error(tmp_path: Path) -> None:
         Image(tmp_path / "missing.png").pixels()
 
 
-@pytest.mark.parametrize("width", [65_000, 100_000_000])
+@pytest.mark.parametrize("width", [65_000, 100_000, 1_000_000, 100_000_000])
 def test_decompression_bombs_are_picture_errors(width: int) -> None:
     small = encoded(np.zeros((1000, 1, 3), np.uint8))
     size = width.to_bytes(4, "big")
-    import zlib
-
     header = b"IHDR" + size + small[20:29]
     bomb = small[:12] + header + zlib.crc32(header).to_bytes(4, "big") + small[33:]
     with warnings.catch_warnings(), pytest.raises(PictureError):
-        warnings.simplefilter("ignore")
+        warnings.simplefilter("error")
         Image(bomb).pixels()
+    with pytest.raises(PictureError, match=str(width)):
+        _ = Image(bomb).size
+
+
+@pytest.mark.parametrize("format", ["BMP", "GIF", "TIFF", "WEBP", "PPM", "ICO"])
+def test_other_formats_are_picture_errors(format: str) -> None:
+    buffer = io.BytesIO()
+    PIL.Image.fromarray(pixels(1)).save(buffer, format)
+    with pytest.raises(PictureError, match="neither PNG nor JPEG"):
+        Image(buffer.getvalue()).pixels()
+
+
+def photo(orientation: object, format: str = "PNG") -> bytes:
+    exif = PIL.Image.Exif()
+    exif[PIL.ExifTags.Base.Orientation] = orientation
+    return encoded(pixels(1), format, exif=exif)
+
+
+@pytest.mark.parametrize("format", ["PNG", "JPEG"])
+@pytest.mark.parametrize("orientation", range(10))
+def test_photos_are_upright_and_their_size_too(orientation: int, format: str) -> None:
+    image = Image(photo(orientation, format))
+    assert image.size == image.pixels().shape[1::-1]
+    assert image.size == ((7, 9) if 5 <= orientation <= 8 else (9, 7))
+
+
+def test_the_eight_orientations_turn_and_mirror() -> None:
+    upright = pixels(1)
+    for orientation, seen in {3: upright[::-1, ::-1], 6: np.rot90(upright, -1), 8: np.rot90(upright)}.items():
+        assert np.array_equal(Image(photo(orientation)).pixels(), seen)
+    assert len({Image(photo(orientation)).digest for orientation in range(1, 9)}) == 8
+    assert Image(photo(1)) == Image(encoded(upright))
+
+
+@pytest.mark.filterwarnings("ignore:Corrupt EXIF")
+def test_a_damaged_orientation_is_a_picture_error_or_none() -> None:
+    for junk in (b"Exif\0\0junk", b"Exif\0\0II*\0\xff\xff\xff\xff", b"Exif\0\0MM\0*\0\0\0\x08\xff\xff"):
+        try:
+            assert Image(encoded(pixels(1), "JPEG", exif=junk)).size == (9, 7)
+        except PictureError as error:
+            assert str(error)
+
+
+def test_the_size_of_a_photo_is_known_before_it_is_decoded() -> None:
+    large = encoded(np.zeros((500, 700, 3), np.uint8), "JPEG")
+    assert Image(large[:900]).size == (700, 500)
+    assert "size" in vars(Image.from_pixels(pixels(1)))
+    assert Image.from_pixels(pixels(1)).size == (9, 7)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.binary(max_size=60), st.integers(0, 250), st.sampled_from(["PNG", "JPEG"]))
+def test_damaged_pictures_decode_or_are_picture_errors(junk: bytes, at: int, format: str) -> None:
+    whole = encoded(pixels(1), format)
+    try:
+        Image(whole[:at] + junk + whole[at + len(junk) :]).pixels()
+    except PictureError as error:
+        assert str(error)
+
+
+def test_states_and_pictures_pickle() -> None:
+    state = State((Picture("main", Image.from_pixels(pixels(1)), {"a": Box(0, 0, 1, 1)}),), given=frozenset())
+    for thing in (state, State(), Picture("main", Image.from_pixels(pixels(1)))):
+        assert pickle.loads(pickle.dumps(thing)) == thing
 
 
 def test_boxes() -> None:

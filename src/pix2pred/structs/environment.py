@@ -27,9 +27,8 @@ class StepStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """The state after a skill was tried, how the try ended, and a sentence about it when it failed."""
+    """How the try of a skill ended, and a sentence about it when it failed."""
 
-    state: State
     status: StepStatus
     detail: str = ""
 
@@ -43,10 +42,17 @@ class SimulatedTask:
 
 
 class Environment(Protocol):
-    """One episode of one task. Only pictures, features and given atoms leave it."""
+    """One episode of one task. Only pictures, features and given atoms leave it.
 
-    def reset(self) -> State:
-        """Start the episode over and observe."""
+    Executing and observing are separate, because an open-loop plan looks at nothing and pictures are costly.
+    """
+
+    def reset(self) -> None:
+        """Start the episode over."""
+        ...
+
+    def observe(self) -> State:
+        """The state now."""
         ...
 
     def execute(self, action: Action) -> Step:

@@ -120,7 +120,7 @@ def test_an_environment_starts_where_its_task_does_and_survives_json() -> None:
     domain = BurgerDomain()
     (simulated,) = domain.tasks("bigger", 5, 1)
     environment = domain.environment(simulated.task, json.loads(json.dumps(dict(simulated.simulator))))
-    assert environment.reset() == simulated.task.initial
+    assert environment.observe() == simulated.task.initial
     assert not environment.goal_reached()
 
 

@@ -19,13 +19,13 @@ def demonstrate(name: str, family: Family, recipe: Recipe, initial: World) -> De
     by_name = {o.name: o for o in objects}
     goal = tuple(bind_atom(a, by_name, family.initial) for a in recipe.goal)
     environment = BurgerEnvironment(initial, family.initial, goal)
-    states = [environment.reset()]
+    states = [environment.observe()]
     actions = tuple(bind_action(a, by_name) for a in recipe.skills)
     for action in actions:
         step = environment.execute(action)
         if step.status is not StepStatus.DONE:
             raise RuntimeError(f"demonstration {name}: {action} failed: {step.detail}")
-        states.append(step.state)
+        states.append(environment.observe())
     if not environment.goal_reached():
         raise RuntimeError(f"demonstration {name}: the script of {recipe.name} does not reach its goal")
     return Demo(name, objects, tuple(states), actions, goal)

@@ -25,10 +25,9 @@ class BurgerEnvironment:
         self._predicates = tuple(predicates)
         self._goal = tuple(goal)
 
-    def reset(self) -> State:
-        """Start the episode over and observe."""
+    def reset(self) -> None:
+        """Start the episode over."""
         self.world, self.steps = self._initial, 0
-        return self.observe()
 
     def observe(self) -> State:
         """The state now."""
@@ -40,8 +39,7 @@ class BurgerEnvironment:
 
     def execute(self, action: Action) -> Step:
         """Run one skill. It never raises: what cannot work is ``STUCK`` with a sentence about the cause."""
-        status, detail = self._run(Application(action.skill.name, tuple(o.name for o in action.objects)))
-        return Step(self.observe(), status, detail)
+        return Step(*self._run(Application(action.skill.name, tuple(o.name for o in action.objects))))
 
     def _run(self, skill: Application) -> tuple[StepStatus, str]:
         start = self.world
