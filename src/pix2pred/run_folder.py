@@ -81,7 +81,7 @@ class RunFolder:
 
     def write_json(self, name: str, data: Any) -> Path:
         """Write a JSON file."""
-        return self.write(name, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+        return self.write(name, json.dumps(data, indent=1) + "\n")
 
     def read_json(self, name: str) -> Any:
         """A JSON file's content, or ``None`` when there is no such file. Raises ``RunFolderError`` if damaged."""

@@ -9,6 +9,9 @@ from pix2pred.structs import Box, State
 PADDING = 0.15
 """Added on every side, as a share of the union's longer side."""
 
+MIN_PADDING = 8.0
+"""Pixels added on every side at least."""
+
 
 def skill_crop(before: State, after: State, names: Iterable[str], camera: int, size: tuple[int, int]) -> Box | None:
     """The padded union of the boxes of ``names`` in both states, inside a picture of ``size``; ``None`` without any."""
@@ -24,9 +27,10 @@ def skill_crop(before: State, after: State, names: Iterable[str], camera: int, s
     union = boxes[0]
     for box in boxes[1:]:
         union = union.union(box)
-    pad = PADDING * max(union.width, union.height)
+    pad = max(MIN_PADDING, PADDING * max(union.width, union.height))
     width, height = size
-    return Box(
+    crop = Box(
         max(0.0, union.left - pad), max(0.0, union.top - pad),
         min(float(width), union.right + pad), min(float(height), union.bottom + pad),
     )  # fmt: skip
+    return crop if crop.width >= 1 and crop.height >= 1 else None

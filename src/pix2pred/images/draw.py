@@ -14,8 +14,11 @@ from pix2pred.structs.views import View, scale_to
 
 FONT_SIZE = 13
 HEADING_HEIGHT = 26
-_LABEL_TEXT = (255, 70, 60, 255)
-_LABEL_BACK = (0, 0, 0, 150)
+FOOT_HEIGHT = 20
+"""Room below the picture for the names of objects at its lower edge."""
+
+_LABEL_TEXT = (255, 236, 120, 255)
+_LABEL_BACK = (0, 0, 0, 200)
 
 
 def draw_view(view: View) -> Pixels:
@@ -25,8 +28,9 @@ def draw_view(view: View) -> Pixels:
     factor = scale_to(crop.width, crop.height, view.longest_side)
     size = (max(1, round(crop.width * factor)), max(1, round(crop.height * factor)))
     shown = source.resize(size, PILImage.Resampling.LANCZOS, box=(crop.left, crop.top, crop.right, crop.bottom))
-    if view.marks:
-        shown = _draw_marks(shown, _visible_boxes(view, crop, factor))
+    boxes = _visible_boxes(view, crop, factor) if view.marks else {}
+    if boxes:
+        shown = _draw_marks(shown, boxes)
     if view.heading:
         shown = _draw_heading(shown, view.heading)
     return np.asarray(shown.convert("RGB"), dtype=np.uint8)
@@ -55,7 +59,9 @@ def _visible_boxes(view: View, crop: Box, factor: float) -> dict[str, Box]:
 def _draw_marks(image: PILImage.Image, boxes: dict[str, Box]) -> PILImage.Image:
     """Write each object's name beside it, where it covers the fewest other objects and no other name."""
     font = ImageFont.load_default(FONT_SIZE)
-    layer = PILImage.new("RGBA", image.size)
+    taller = PILImage.new("RGBA", (image.width, image.height + FOOT_HEIGHT), "white")
+    taller.paste(image.convert("RGBA"), (0, 0))
+    layer = PILImage.new("RGBA", taller.size)
     draw = ImageDraw.Draw(layer)
     placed: list[Box] = []
     for name, box in sorted(boxes.items(), key=lambda item: (-item[1].bottom, item[0])):
@@ -63,14 +69,17 @@ def _draw_marks(image: PILImage.Image, boxes: dict[str, Box]) -> PILImage.Image:
         width, height = right - left + 6, bottom - top + 5
         others = [b for n, b in boxes.items() if n != name]
         spot = min(
-            _spots(box, width, height, image.size),
-            key=lambda s: (sum(_overlap(s, p) for p in placed), sum(_overlap(s, o) for o in others)),
+            _spots(box, width, height, taller.size),
+            key=lambda s: (
+                sum(_overlap(s, p) for p in placed),
+                sum(_overlap(s, o) for o in others) + 200 * sum(_distance(s, o) < _distance(s, box) for o in others),
+            ),
         )
         placed.append(spot)
         draw.rounded_rectangle((spot.left, spot.top, spot.right, spot.bottom), 3, fill=_LABEL_BACK)
         draw.text((spot.left + 3 - left, spot.top + 2 - top), name, font=font, fill=_LABEL_TEXT)
         _draw_leader(draw, spot, box)
-    return PILImage.alpha_composite(image.convert("RGBA"), layer)
+    return PILImage.alpha_composite(taller, layer)
 
 
 def _spots(box: Box, width: float, height: float, size: tuple[int, int]) -> Iterator[Box]:
@@ -98,11 +107,26 @@ def _overlap(a: Box, b: Box) -> float:
     return max(0.0, width) * max(0.0, height)
 
 
+def _distance(spot: Box, box: Box) -> float:
+    """How far a label's centre is from a box; 0 inside it."""
+    x, y = spot.center
+    dx = max(box.left - x, 0.0, x - box.right)
+    dy = max(box.top - y, 0.0, y - box.bottom)
+    return float(np.hypot(dx, dy))
+
+
 def _draw_leader(draw: ImageDraw.ImageDraw, spot: Box, box: Box) -> None:
-    """A thin line from a label that had to move away to its object."""
-    nearest = (min(max(spot.center[0], box.left), box.right), min(max(spot.center[1], box.top), box.bottom))
-    if spot.top > box.bottom + 4 or spot.bottom < box.top - 4:
-        draw.line((*spot.center, *nearest), fill=_LABEL_TEXT, width=1)
+    """A line from a label to its object, unless the label stands right below or above it."""
+    x = spot.center[0]
+    under = abs(x - box.center[0]) < box.width / 2 and min(abs(spot.top - box.bottom), abs(spot.bottom - box.top)) < 6
+    if not under:
+        inset = min(6.0, box.width / 4, box.height / 4)
+        # the lower edge of an object is what shows when others lie on it
+        end = (min(max(x, box.left + inset), box.right - inset), box.bottom - inset)
+        start = (min(max(end[0], spot.left), spot.right), min(max(end[1], spot.top), spot.bottom))
+        draw.line((*start, *end), fill=_LABEL_BACK, width=4)
+        draw.line((*start, *end), fill=_LABEL_TEXT, width=2)
+        draw.ellipse((end[0] - 3, end[1] - 3, end[0] + 3, end[1] + 3), fill=_LABEL_TEXT, outline=(0, 0, 0, 255))
 
 
 def _draw_heading(image: PILImage.Image, heading: str) -> PILImage.Image:

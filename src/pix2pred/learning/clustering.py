@@ -91,7 +91,8 @@ def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) 
     for t in transitions:
         groups = buckets[_invariant(data, t, effects[t])]
         for group in groups:
-            if objects := _unify(data, group[0], effects[group[0].transition], t, effects[t]):
+            objects = _unify(data, group[0], effects[group[0].transition], t, effects[t])
+            if objects is not None:
                 group.append(Member(t, objects))
                 break
         else:

@@ -3,8 +3,9 @@
 A* with uniformly random ties works through plateaus: all nodes with one value of f. A node of a plateau is popped when
 its tie-break value comes up, at a time t in [0, 1], but not before its parent. A node with ``e`` plateau nodes on
 its path, itself included, is therefore popped by time t with probability t^e. From the number of goal nodes and of
-created nodes per ``e`` follow the expected numbers of nodes created when skeletons are found. Ancestors that nodes
-share are counted as if they were not shared, the one approximation made here.
+created nodes per ``e`` follow the expected numbers of nodes created when skeletons are found: the goal's own ancestors
+have been expanded for certain, all other nodes with the probability above. Ancestors that different nodes share are
+counted as if they were not shared, the one approximation made here.
 """
 
 from __future__ import annotations
@@ -28,9 +29,10 @@ _TIME_WEIGHTS = _WEIGHT / 2 * (_T + 1)
 
 @dataclass(slots=True)
 class _Plateau:
-    """What expanding all nodes of one f gives: goal nodes and created nodes, per ``e`` of their (parent's) pop time."""
+    """What expanding all nodes of one f gives, per ``e``: goal nodes, expanded nodes, and nodes these created."""
 
     goals: Counts = field(default_factory=lambda: defaultdict(float))
+    expanded: Counts = field(default_factory=lambda: defaultdict(float))
     created: Counts = field(default_factory=lambda: defaultdict(float))
 
     def nodes_at_first_goal(self) -> float:
@@ -40,8 +42,9 @@ class _Plateau:
             no_goal *= (1 - _TIMES**e) ** count
         expected = 0.0
         for e, count in self.created.items():
-            share = 1.0 if e == 0 else float(np.sum(_TIME_WEIGHTS * e * _TIMES ** (e - 1) * no_goal))
-            expected += count * share
+            by_chance = 1.0 if e == 0 else float(np.sum(_TIME_WEIGHTS * e * _TIMES ** (e - 1) * no_goal))
+            certain = min(1.0, 1 / self.expanded[e]) if e < min(self.goals) else 0.0
+            expected += count * (certain + (1 - certain) * by_chance)
         return expected
 
 
@@ -122,6 +125,8 @@ class _GroupedSearch:
                         plateau.goals[e] += count
                     continue
                 total = sum(counts.values())
+                for e, count in counts.items():
+                    plateau.expanded[e] += count
                 for k in task.applicable(state):
                     successor = task.successor(state, k)
                     self.nodes += total

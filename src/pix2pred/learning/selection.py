@@ -125,12 +125,10 @@ class HillClimbing:
         previous = float("inf")
         while not self._stop(previous, current.score.total):
             scored = self._expand(current, progress)
-            exact = [s for s in scored if s.score.exact]
-            if not exact:
+            better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
+            if not better:
                 break
-            best = self._ties.choose(data, self._settings, exact)
-            if not best.score.total < current.score.total:
-                break
+            best = self._ties.choose(data, self._settings, better)
             previous, current = current.score.total, best
             others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
             runners_up = tuple(RunnerUp(data.predicates[s.predicate], s.score.total, s.score.exact) for s in others)
@@ -138,7 +136,10 @@ class HillClimbing:
         return self._finish(current.chosen, steps)
 
     def score(self, chosen: Sequence[Predicate]) -> Score:
-        """J of a given set of candidates."""
+        """J of a given set of candidates. Raises ``ValueError`` for one that is never true, thus no candidate."""
+        absent = [p.name for p in chosen if p not in self._data.predicates]
+        if absent:
+            raise ValueError(f"{', '.join(absent)}: never true in the demonstrations, so not a candidate")
         numbers = tuple(self._data.predicates.index(p) for p in chosen)
         classes = partition(self._data, (*range(self._data.initial), *numbers))
         return self._objective.score(numbers, classes, range(len(self._data.demos)))

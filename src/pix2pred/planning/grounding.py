@@ -51,7 +51,8 @@ def ground(
 ) -> GroundTask:
     """Ground ``operators`` over ``objects``. ``distinct``: parameters stand for distinct objects (law 4 of 1.6).
 
-    Raises ``GroundingBudgetError`` when more than ``budget`` instances are reachable.
+    Raises ``ValueError`` for atoms over other objects, and ``GroundingBudgetError`` when more than ``budget`` instances
+    are reachable.
     """
     return _Grounder(operators, objects, distinct=distinct, budget=budget).run(initial, goal)
 
@@ -119,10 +120,13 @@ class _Grounder:
         object_ids = {o: i for i, o in enumerate(self.objects)}
 
         def number(atom: Atom) -> Fact:
+            strangers = [o.name for o in atom.objects if o not in object_ids]
+            if strangers:
+                raise ValueError(f"{atom} mentions {strangers[0]}, which is not among the objects of the task")
             p = self.predicate_ids.setdefault(atom.predicate, len(self.predicate_ids))
             return (p, *(object_ids[o] for o in atom.objects))
 
-        initial_facts = [number(a) for a in sorted(initial) if all(o in object_ids for o in a.objects)]
+        initial_facts = [number(a) for a in sorted(initial)]
         goal_facts = [number(a) for a in sorted(goal)]
         queue = list(dict.fromkeys(initial_facts))
         for s, schema in enumerate(self.schemas):

@@ -62,8 +62,10 @@ def evaluate(expression: Expression, state: State, args: tuple[Object, ...]) -> 
         case ForAll(inner):
             over = _type_name(inner)
             return all(evaluate(inner, state, (o,)) for o in sorted(state.features) if o.type.name == over)
-        case AtMost(_, feature, bound):
+        case AtMost(type_name, feature, bound):
             (thing,) = args
+            if thing.type.name != type_name and feature not in thing.type.features:
+                return False  # a subtype with other features
             if thing not in state.features or feature not in thing.type.features:
                 raise ExpressionError(f"{thing.name} has no feature {feature!r} in this state (needed by {expression})")
             return bool(state.features[thing][thing.type.features.index(feature)] <= bound)

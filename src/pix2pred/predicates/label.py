@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -72,7 +72,7 @@ class Labeller:
         parts = []
         for batch in self._batches(atoms):
             text = fill(template, objects=object_lines(objects), atoms="\n".join(map(atom_text, batch)))
-            parts.append(self._ask("label", (text, *pictures), batch, previous=None))
+            parts.append(self._ask("label", (text, *pictures), batch, carried={}))
         return _merged(parts)
 
     def next(
@@ -89,6 +89,8 @@ class Labeller:
     ) -> StateLabels:
         """Labels of the state after ``action`` (method 3.4), given the labels of the one before."""
         pictures = self._before_and_after(before, after, t, action, objects)
+        crops = sum(view.crop is not None for view in pictures)
+        carried = previous.values if self.settings.missing == "carry_previous" else {}
         parts = []
         for batch in self._batches(atoms):
             listed = "\n".join(map(atom_text, batch))
@@ -97,15 +99,16 @@ class Labeller:
                 action=action_text(action),
                 objects=object_lines(objects),
                 previous=previous.text,
-                crops=" Two more pictures show the part the skill was about." if self.settings.crops else "",
+                crops=f" {crops} of them show only the part of the scene the skill was about." if crops else "",
                 hints="".join(f"{hint}\n" for hint in self.settings.hints),
                 atoms=listed,
             )
-            labels = self._ask("label", (question, *pictures), batch, previous)
+            labels = self._ask("label", (question, *pictures), batch, carried)
             if double_check:
                 values = value_lines({atom_text(a): previous.values[a] for a in batch if a in previous.values})
                 check = fill("double_check", question=question, answer=labels.text, values=values, atoms=listed)
-                labels = self._ask("double-check", (check, *pictures), batch, previous)
+                checked = self._ask("double-check", (check, *pictures), batch, labels.values)
+                labels = StateLabels(checked.values, checked.text, labels.counts + checked.counts)
             parts.append(labels)
         return _merged(parts)
 
@@ -135,26 +138,27 @@ class Labeller:
         return cropped
 
     def _ask(
-        self, purpose: str, parts: tuple[str | View, ...], batch: Sequence[Atom], previous: StateLabels | None
+        self, purpose: str, parts: tuple[str | View, ...], batch: Sequence[Atom], carried: Mapping[Atom, int]
     ) -> StateLabels:
-        """Query until an answer gives some value, at most ``attempts`` times; then fill in what is missing."""
-        by_text = {atom_text(a): a for a in batch}
-        budget = TOKENS_OF_REASONING + TOKENS_PER_ATOM * len(batch)
+        """Query until an answer gives some value, at most ``attempts`` times; atoms left out keep ``carried``."""
+        texts = {a: atom_text(a) for a in batch}
+        queried = list(dict.fromkeys(texts.values()))
+        budget = TOKENS_OF_REASONING + TOKENS_PER_ATOM * len(queried)
         counts: Counter[str] = Counter()
-        parsed = ParsedLabels({}, tuple(by_text), 0, 0)
-        text = ""
+        parsed = ParsedLabels({}, tuple(queried), 0, 0)
+        answer = ""
         for attempt in range(self.settings.attempts if batch else 0):
-            text = self.vlm.answer(Request(purpose, parts, budget, attempt=attempt)).text
-            parsed = parse_labels(text, list(by_text))
+            answer = self.vlm.answer(Request(purpose, parts, budget, attempt=attempt)).text
+            parsed = parse_labels(answer, queried)
             counts["other words"] += parsed.other_words
             counts["unasked"] += parsed.unasked
             if parsed.values:
                 break
             counts["unusable answers"] += 1
         counts["missing"] += len(parsed.missing)
-        carried = previous.values if previous and self.settings.missing == "carry_previous" else {}
-        values = {a: parsed.values.get(t, carried.get(a, FALSE)) for t, a in by_text.items()}
-        return StateLabels(values, text, counts)
+        values = {a: parsed.values.get(text, carried.get(a, FALSE)) for a, text in texts.items()}
+        usable = answer if parsed.values else value_lines({texts[a]: value for a, value in values.items()})
+        return StateLabels(values, usable, counts)
 
 
 def _merged(parts: Sequence[StateLabels]) -> StateLabels:

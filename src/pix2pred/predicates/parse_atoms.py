@@ -15,10 +15,11 @@ _MARKUP = re.compile(r"[\\`*]")
 
 @dataclass(frozen=True, slots=True)
 class Mention:
-    """``name(args)`` as found in a text; ``end`` is where it ends in the cleaned text."""
+    """``name(args)`` as found in a text; ``start`` and ``end`` are its place in the cleaned text."""
 
     name: str
     args: tuple[str, ...]
+    start: int
     end: int
 
     def __str__(self) -> str:
@@ -38,7 +39,7 @@ def mentions(cleaned: str) -> Iterator[Mention]:
     for match in _APPLICATION.finditer(cleaned):
         args = [" ".join(part.split()) for part in match[2].split(",")]
         if all(_ARGUMENT.match(a) for a in args):
-            yield Mention(_normal(match[1]), tuple(_normal(a) for a in args), match.end())
+            yield Mention(_normal(match[1]), tuple(_normal(a) for a in args), match.start(), match.end())
 
 
 def _normal(name: str) -> str:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from pix2pred.predicates.parse_atoms import clean, mentions
 from pix2pred.structs import FALSE, TRUE, UNKNOWN
 
 _VALUE = re.compile(r"[ \t]*[:=][ \t]*([A-Za-z]+)")
-_THIRD_SECTION = re.compile(r"^[ \t#>\-]*(?:section[ \t]*)?3[.):]", re.IGNORECASE | re.MULTILINE)
+_THIRD_SECTION = re.compile(
+    r"^[ \t#>\-]*(?:section[ \t]*)?3[.):](?![ \t]*[A-Za-z_]\w*\()", re.IGNORECASE | re.MULTILINE
+)
+_BEFORE_FIRST_ATOM = re.compile(r"[ \t>#+\-\d.)]*\Z")
 _WORDS = {"true": TRUE, "false": FALSE, "unknown": UNKNOWN}
 
 
@@ -28,42 +32,68 @@ class ParsedLabels:
     unasked: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Statement:
+    """``atom: WORD`` at a place in the text; ``leads`` when its line begins with it, list markers aside."""
+
+    atom: str
+    word: str
+    start: int
+    leads: bool
+
+
 def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
-    """Read ``name(args): WORD`` lines; the last value of an atom wins.
+    """Read ``name(args): WORD`` lines.
 
     When the answer has a third section with values in it, only that section counts: the first two speak of expected
-    and observed changes.
+    and observed changes. The line that begins with an atom decides about it, the last such line if there are several;
+    values inside explanations count only for atoms without a line of their own.
     """
     text = clean(answer)
-    for heading in reversed(list(_THIRD_SECTION.finditer(text))):
-        parsed = _parse(text[heading.end() :], queried)
-        if parsed.values:
-            return parsed
-    return _parse(text, queried)
-
-
-def _parse(text: str, queried: Sequence[str]) -> ParsedLabels:
-    wanted = {_key(atom): atom for atom in queried}
-    values: dict[str, int] = {}
+    statements = list(_statements(text))
+    if statements:
+        begins = [h.end() for h in _THIRD_SECTION.finditer(text) if h.end() <= statements[-1].start]
+        statements = [s for s in statements if s.start >= max(begins, default=0)]
+    asked = _Asked(queried)
+    inside: dict[str, int] = {}
+    leading: dict[str, int] = {}
     other_words = unasked = 0
-    for mention in mentions(text):
-        word = _VALUE.match(text, mention.end)
-        if word is None:
-            continue
-        atom = wanted.get(_key(str(mention)))
+    for statement in statements:
+        atom = asked.find(statement.atom)
         if atom is None:
             unasked += 1
-        elif (value := _WORDS.get(word[1].lower())) is None:
+        elif (value := _WORDS.get(statement.word.lower())) is None:
             other_words += 1
         else:
-            values[atom] = value
-    missing = tuple(atom for atom in queried if atom not in values)
-    return ParsedLabels(values, missing, other_words, unasked)
+            (leading if statement.leads else inside)[atom] = value
+    found = inside | leading
+    values = {atom: found[atom] for atom in queried if atom in found}
+    return ParsedLabels(values, tuple(a for a in queried if a not in found), other_words, unasked)
 
 
-def _key(atom: str) -> str:
-    """Equal for writings of an atom that differ in spaces, case or ``-`` for ``_``."""
-    return re.sub(r"\s+", "", atom).replace("-", "_").lower()
+def _statements(text: str) -> Iterator[_Statement]:
+    for mention in mentions(text):
+        if word := _VALUE.match(text, mention.end):
+            line = text[text.rfind("\n", 0, mention.start) + 1 : mention.start] if mention.start else ""
+            leads = len(line) < 20 and _BEFORE_FIRST_ATOM.match(line) is not None
+            yield _Statement(str(mention), word[1], mention.start, leads)
+
+
+class _Asked:
+    """Queried atoms by their writing: as asked, or else whatever differs only in spaces, ``-`` for ``_``, and case."""
+
+    def __init__(self, queried: Sequence[str]) -> None:
+        self._plain = {_plain(atom): atom for atom in queried}
+        folded = Counter(plain.lower() for plain in self._plain)
+        self._folded = {p.lower(): atom for p, atom in self._plain.items() if folded[p.lower()] == 1}
+
+    def find(self, text: str) -> str | None:
+        plain = _plain(text)
+        return self._plain.get(plain) or self._folded.get(plain.lower())
+
+
+def _plain(atom: str) -> str:
+    return re.sub(r"\s+", "", atom).replace("-", "_")
 
 
 def value_lines(values: dict[str, int]) -> str:

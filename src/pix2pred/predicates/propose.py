@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -120,8 +121,9 @@ def read_proposal(demo: Demo, answer: str, settings: ProposalSettings) -> Propos
 
 
 def _excluded(name: str, args: Iterable[str], exclude: Iterable[str]) -> str | None:
-    text = " ".join((name, *args)).lower()
-    return next((word for word in exclude if word.lower() in text), None)
+    words = {part for text in (name, *args) for part in re.split(r"_|(?<=[a-z])(?=[A-Z])|\d+", text) if part}
+    mentioned = {word.lower() for word in words}
+    return next((word for word in exclude if word.lower() in mentioned), None)
 
 
 def lift(proposals: Iterable[Proposal], taken: Iterable[str] = ()) -> tuple[Candidate, ...]:

@@ -68,7 +68,7 @@ class TypeDoc(Document):
 
     name: Name
     parent: Name | None = None
-    features: tuple[str, ...] = ()
+    features: tuple[Name, ...] = ()
 
 
 class ObjectDoc(Document):

@@ -48,7 +48,7 @@ class View:
 
 
 def _numbers(box: Box) -> list[float]:
-    return [box.left, box.top, box.right, box.bottom]
+    return [float(box.left), float(box.top), float(box.right), float(box.bottom)]
 
 
 def scale_to(width: float, height: float, longest_side: int) -> float:

@@ -51,7 +51,7 @@ class Request:
 
     def key(self, model: str) -> str:
         """SHA-256 of the canonical form."""
-        text = json.dumps(self.canonical(model), sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+        text = json.dumps(self.canonical(model), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -12,6 +12,7 @@ import threading
 from enum import StrEnum
 from pathlib import Path
 
+from pix2pred.structs import Image
 from pix2pred.structs.views import View
 from pix2pred.vlm.request import VLM, Answer, Request, VLMError
 
@@ -46,7 +47,7 @@ class AnswerStore:
             return str(entry["answer"])
         except FileNotFoundError:
             return None
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
             raise VLMError(f"{path}: damaged answer ({error}); delete the file to ask again") from error
 
     def put(self, request: Request, model: str, answer: str) -> None:
@@ -59,12 +60,12 @@ class AnswerStore:
             "request": request.canonical(model),
             "answer": answer,
         }
-        _write(self._path(request.key(model)), json.dumps(entry, indent=1, ensure_ascii=False).encode())
+        _write(self._path(request.key(model)), json.dumps(entry, indent=1).encode())
 
     def _put_picture(self, view: View) -> None:
         path = self.directory / "blobs" / f"{view.picture.image.digest}.png"
         if not path.exists():
-            _write(path, view.picture.image.encoded)
+            _write(path, Image.from_pixels(view.picture.image.pixels()).encoded)  # no metadata, always PNG
 
     def _path(self, key: str) -> Path:
         return self.directory / "answers" / key[:2] / f"{key}.json"
@@ -73,8 +74,11 @@ class AnswerStore:
 def _write(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}")
-    temporary.write_bytes(content)
-    temporary.replace(path)
+    try:
+        temporary.write_bytes(content)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 class StoredVLM:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import MappingProxyType
 
 from pix2pred.domains.burger.classifiers import objects_of, true_atoms
 from pix2pred.domains.burger.render import render
@@ -27,4 +26,4 @@ def features_of(world: World) -> dict[Object, tuple[float, ...]]:
 
 def observe(world: World, predicates: Sequence[Predicate]) -> State:
     """The state seen in ``world``, with the true atoms of ``predicates``."""
-    return State((render(world),), MappingProxyType(features_of(world)), true_atoms(world, predicates))
+    return State((render(world),), features_of(world), true_atoms(world, predicates))

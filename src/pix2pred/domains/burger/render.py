@@ -8,7 +8,6 @@ it covers the whole drawing of the object, also where something hides it, cut at
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 import PIL.Image
@@ -53,7 +52,7 @@ def render(world: World) -> Picture:
     """The picture of ``world``, 640x640, with the boxes of all its objects."""
     placed = _layout(world)
     boxes = {p.name: p.box() for p in sorted(placed, key=lambda p: p.name)}
-    return Picture(CAMERA, Image.from_pixels(_draw(world, placed)), MappingProxyType(boxes))
+    return Picture(CAMERA, Image.from_pixels(_draw(world, placed)), boxes)
 
 
 def render_pixels(world: World) -> Pixels:

@@ -1,0 +1,174 @@
+"""Views as a model sees them: sizes, marks, headings, crops."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pix2pred.domains.burger.render import render
+from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
+from pix2pred.images import draw_view, encode_png, skill_crop
+from pix2pred.images.draw import FOOT_HEIGHT, HEADING_HEIGHT
+from pix2pred.structs import Box, Image, Picture, State
+from pix2pred.structs.views import View
+
+GREY = np.full((200, 300, 3), 128, np.uint8)
+BOXES = {"cup": Box(40, 40, 80, 80), "box": Box(200, 100, 260, 160)}
+PLAIN = View(Picture("main", Image.from_pixels(GREY), BOXES), 0, marks=False, longest_side=300)
+MARKED = replace(PLAIN, marks=True)
+
+STACK = ("bottom_bun1", "patty1", "lettuce1", "cheese1", "patty2", "top_bun1")
+
+
+def kitchen(stack_cell: Cell = Cell(4, 1), held: str | None = None) -> World:  # noqa: B008
+    """The tallest stack, a burger beside it, and covered stations."""
+    tall = [Thing(n, n[:-1], stack_cell, z) for z, n in enumerate(STACK)]
+    burger = [Thing(n, n[:-1], Cell(4, 3), z) for z, n in enumerate(("bottom_bun2", "patty3", "top_bun2"))]
+    stations = [
+        Thing("grill", "grill", Cell(0, 2)), Thing("patty4", "patty", Cell(0, 2), 1),
+        Thing("cutting_board", "cutting_board", Cell(0, 3)), Thing("lettuce2", "lettuce", Cell(0, 3), 1),
+    ]  # fmt: skip
+    return World("robot", Cell(2, 2), Heading.DOWN, held, (*tall, *burger, *stations), 3)
+
+
+@pytest.mark.parametrize(
+    ("size", "side", "crop", "shape"),
+    [
+        ((300, 200), 300, None, (200, 300)),
+        ((300, 200), 512, None, (341, 512)),
+        ((200, 300), 100, None, (100, 67)),
+        ((1000, 1), 512, None, (1, 512)),
+        ((300, 200), 512, Box(10, 10, 110, 60), (256, 512)),
+        ((300, 200), 100, Box(10.5, 10.25, 20.5, 30.25), (100, 50)),
+    ],
+)
+def test_the_longer_side_is_as_asked(
+    size: tuple[int, int], side: int, crop: Box | None, shape: tuple[int, int]
+) -> None:
+    image = Image.from_pixels(np.zeros((size[1], size[0], 3), np.uint8))
+    view = View(Picture("main", image), 0, crop, longest_side=side)
+    assert draw_view(view).shape == (*shape, 3)
+    with_heading = draw_view(replace(view, heading="state 0"))
+    assert with_heading.shape == (shape[0] + HEADING_HEIGHT, shape[1], 3)
+
+
+def test_without_marks_and_heading_the_picture_is_unchanged() -> None:
+    assert np.array_equal(draw_view(PLAIN), GREY)
+
+
+def test_the_heading_is_black_on_white_above_the_picture() -> None:
+    drawn = draw_view(replace(PLAIN, heading="state 12, camera main"))
+    strip, rest = drawn[:HEADING_HEIGHT], drawn[HEADING_HEIGHT:]
+    assert np.array_equal(rest, GREY)
+    assert strip.max() == 255 and strip.min() < 80
+    assert (strip[0] == 255).all()
+    other = draw_view(replace(PLAIN, heading="state 13, camera main"))
+    assert not np.array_equal(other[:HEADING_HEIGHT], strip)
+
+
+def test_marks_are_drawn_beside_their_boxes_only() -> None:
+    changed = (draw_view(MARKED)[:-FOOT_HEIGHT] != draw_view(PLAIN)).any(axis=2)
+    near = np.zeros_like(changed)
+    for box in BOXES.values():
+        x = box.center[0]
+        near[int(box.top) - 30 : int(box.bottom) + 30, int(x) - 60 : int(x) + 60] = True
+        assert changed[int(box.top) - 30 : int(box.bottom) + 30, int(x) - 60 : int(x) + 60].any()
+    assert not (changed & ~near).any()
+
+
+def test_names_decide_what_is_written() -> None:
+    named = replace(MARKED, picture=replace(MARKED.picture, boxes={"cat": BOXES["cup"], "box": BOXES["box"]}))
+    assert not np.array_equal(draw_view(named), draw_view(MARKED))
+
+
+def test_drawing_is_repeatable_and_does_not_depend_on_the_order_of_boxes() -> None:
+    turned = replace(MARKED, picture=replace(MARKED.picture, boxes=dict(reversed(BOXES.items()))))
+    assert encode_png(draw_view(MARKED)) == encode_png(draw_view(turned))
+
+
+def test_a_crop_shows_its_part_and_its_marks_only() -> None:
+    pixels = np.random.default_rng(0).integers(0, 256, (200, 300, 3), dtype=np.uint8)
+    picture = Picture("main", Image.from_pixels(pixels), BOXES)
+    crop = Box(180, 80, 280, 180)
+    assert np.array_equal(draw_view(View(picture, 0, crop, False, longest_side=100)), pixels[80:180, 180:280])
+    only = replace(picture, boxes={"box": BOXES["box"]})
+    both = draw_view(View(picture, 0, crop, True))
+    assert np.array_equal(both, draw_view(View(only, 0, crop, True)))
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.dictionaries(
+        st.text(min_size=1, max_size=30),
+        st.builds(lambda x, y, w, h: Box(x, y, x + w, y + h), *[st.floats(-50, 350)] * 2, *[st.floats(0, 400)] * 2),
+        max_size=6,
+    ),
+    st.text(max_size=40),
+)
+def test_any_boxes_names_and_headings_can_be_drawn(boxes: dict[str, Box], heading: str) -> None:
+    view = replace(MARKED, heading=heading, picture=replace(MARKED.picture, boxes=boxes))
+    marked = any(0 <= b.center[0] < 300 and 0 <= b.center[1] < 200 for b in boxes.values())
+    height = 200 + (HEADING_HEIGHT if heading else 0) + (FOOT_HEIGHT if marked else 0)
+    assert draw_view(view).shape == (height, 300, 3)
+
+
+def labels(view: View, monkeypatch: pytest.MonkeyPatch) -> list[Box]:
+    """Where labels are drawn."""
+    spots: list[Box] = []
+    original = PIL.ImageDraw.ImageDraw.rounded_rectangle
+
+    def record(self: PIL.ImageDraw.ImageDraw, xy: tuple[float, ...], *args: object, **kwargs: object) -> None:
+        spots.append(Box(*xy))
+        original(self, xy, *args, **kwargs)  # type: ignore[arg-type]
+
+    with monkeypatch.context() as patched:
+        patched.setattr(PIL.ImageDraw.ImageDraw, "rounded_rectangle", record)
+        draw_view(view)
+    return spots
+
+
+def overlap(a: Box, b: Box) -> bool:
+    return min(a.right, b.right) > max(a.left, b.left) and min(a.bottom, b.bottom) > max(a.top, b.top)
+
+
+@pytest.mark.parametrize("cell", [c for c in EDGE_CELLS if c not in (Cell(4, 3), Cell(0, 2), Cell(0, 3))], ids=str)
+@pytest.mark.parametrize("held", [None, "top_bun1"])
+def test_labels_of_the_tallest_stack_do_not_overlap(
+    cell: Cell, held: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world = kitchen(cell, held)
+    if held:
+        world = world.changed(replace(world.thing(held), cell=world.cell, z=1))
+    picture = render(world)
+    spots = labels(View(picture, 0), monkeypatch)
+    assert len(spots) == len(picture.boxes) == 14
+    assert not [1 for a, b in combinations(spots, 2) if overlap(a, b)]
+    assert all(s.left >= 0 and s.top >= 0 and s.right <= 512 and s.bottom <= 512 + FOOT_HEIGHT for s in spots)
+
+
+def test_crops_cover_the_skill_in_both_states_with_a_margin() -> None:
+    after = replace(PLAIN.picture, boxes=BOXES | {"cup": Box(100, 40, 140, 80)})
+    before, later = State((PLAIN.picture,)), State((after,))
+    assert skill_crop(before, later, ["cup"], 0, (300, 200)) == Box(25, 25, 155, 95)
+    assert skill_crop(before, later, ["cup", "box"], 0, (300, 200)) == Box(7, 7, 293, 193)
+    assert skill_crop(before, later, ["cup", "box"], 0, (270, 150)) == Box(7, 7, 270, 150)
+
+
+def test_crops_need_a_box() -> None:
+    state = State((PLAIN.picture,))
+    assert skill_crop(state, state, ["nothing"], 0, (300, 200)) is None
+    assert skill_crop(state, state, [], 0, (300, 200)) is None
+    one = State((replace(PLAIN.picture, boxes={}),))
+    assert skill_crop(one, state, ["cup"], 0, (300, 200)) == Box(32, 32, 88, 88)
+
+
+def test_a_crop_around_a_point_can_be_drawn() -> None:
+    state = State((replace(PLAIN.picture, boxes={"cup": Box(40, 40, 40, 40)}),))
+    draw_view(replace(PLAIN, crop=skill_crop(state, state, ["cup"], 0, (300, 200))))

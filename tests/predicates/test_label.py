@@ -1,0 +1,203 @@
+"""Labelling state by state: the chain of answers, pictures, double checks, retries, missing values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from pix2pred.predicates import Labeller, LabelSettings, StateLabels, ground_atoms
+from pix2pred.structs import FALSE, TRUE, UNKNOWN, Demo
+from pix2pred.vlm import Request
+from predicates.scripted import COOKED, OBJECTS, P1, P2, UNDER, Script, ScriptedVLM, demo
+
+ATOMS = ground_atoms((COOKED, UNDER), OBJECTS)
+C1, C2 = COOKED(P1), COOKED(P2)
+PLAIN = LabelSettings(double_check=False)
+
+
+def label(
+    script: Script,
+    settings: LabelSettings = PLAIN,
+    demo: Demo = demo(),  # noqa: B008
+) -> tuple[ScriptedVLM, tuple[StateLabels, ...]]:
+    vlm = ScriptedVLM(script)
+    return vlm, Labeller(vlm, settings).demo(demo, ATOMS)
+
+
+def values(labels: tuple[StateLabels, ...]) -> list[list[int]]:
+    return [[s.values[C1], s.values[C2]] for s in labels]
+
+
+def test_each_query_holds_the_whole_answer_before() -> None:
+    vlm, labels = label([f"Thoughts {t}.\ncooked(patty1): {'True' if t else 'False'}." for t in range(3)])
+    first, *later = [r.text for r in vlm.asked]
+    assert "Thoughts" not in first
+    for t, text in enumerate(later):
+        assert f"<previous>\nThoughts {t}.\ncooked(patty1): {'True' if t else 'False'}.\n</previous>" in text
+        assert text.count("Thoughts") == 1
+    assert [s.text for s in labels] == [f"Thoughts {t}.\ncooked(patty1): {'True' if t else 'False'}." for t in range(3)]
+    assert values(labels) == [[0, 0], [1, 0], [1, 0]]
+
+
+def test_queries_name_things_by_their_descriptors() -> None:
+    vlm, _ = label(["cooked(p1): True."] * 3, LabelSettings(double_check=False, attempts=1))
+    for request in vlm.asked:
+        listed = request.text.rpartition("Predicates:\n")[2].splitlines()
+        assert listed == [
+            "cooked(patty1)", "cooked(patty2)", "under(patty1, small_blue_cup)", "under(patty2, small_blue_cup)"
+        ]  # fmt: skip
+        assert "- small_blue_cup (cup)" in request.text
+        assert set(request.views[0].boxes) == {"robot", "patty1", "patty2", "small_blue_cup"}
+    assert "Executed skill: Pick[robot:robot, patty1:patty]" in vlm.asked[1].text
+
+
+def test_answers_in_the_words_of_the_query_are_understood() -> None:
+    _, labels = label(["under(patty2,Small_blue-cup): True"] * 3)
+    assert [a for a, v in labels[0].values.items() if v == TRUE] == [UNDER(P2, OBJECTS[3])]
+
+
+def test_pictures_are_before_after_and_crops_of_every_camera() -> None:
+    vlm, _ = label(["cooked(patty1): True."] * 3, demo=demo(cameras=("l", "r")))
+    assert [v.heading for v in vlm.asked[0].views] == ["state 0, camera l", "state 0, camera r"]
+    assert [v.heading for v in vlm.asked[2].views] == [
+        "before: state 1, camera l", "before: state 1, camera r",
+        "after: state 2, camera l", "after: state 2, camera r",
+        "before: state 1, camera l, around the skill", "after: state 2, camera l, around the skill",
+        "before: state 1, camera r, around the skill", "after: state 2, camera r, around the skill",
+    ]  # fmt: skip
+    digests = [v.picture.image.digest for v in vlm.asked[2].views]
+    assert digests[:4] == [digests[4], digests[6], digests[5], digests[7]]
+    crops = {v.crop for v in vlm.asked[2].views[4:]}
+    assert len(crops) == 1 and None not in crops, "the same part of all, around the skill's objects"
+    assert all(v.crop is None for v in vlm.asked[2].views[:4])
+
+
+def test_crops_can_be_off_and_need_boxes() -> None:
+    vlm, _ = label(["cooked(patty1): True."] * 3, LabelSettings(double_check=False, crops=False))
+    assert len(vlm.asked[1].views) == 2
+    assert "Two more pictures" not in vlm.asked[1].text
+    vlm, _ = label(["cooked(patty1): True."] * 3, demo=demo(boxes=False))
+    assert len(vlm.asked[1].views) == 2
+
+
+def test_the_prompt_does_not_speak_of_pictures_that_are_not_there() -> None:
+    vlm, _ = label(["cooked(patty1): True."] * 3, demo=demo(boxes=False))
+    assert "Two more pictures" not in vlm.asked[1].text
+
+
+def by_purpose(first: str, later: str, check: str) -> Callable[[Request], str]:
+    def answer(request: Request) -> str:
+        if request.purpose == "double-check":
+            return check
+        return later if "Executed skill" in request.text else first
+
+    return answer
+
+
+def test_the_double_check_replaces_the_answer_and_is_not_done_at_first() -> None:
+    script = by_purpose("cooked(patty1): False. F", "cooked(patty1): False. L", "cooked(patty1): True. C")
+    vlm, labels = label(script, LabelSettings())
+    assert [r.purpose for r in vlm.asked] == ["label", "label", "double-check", "label", "double-check"]
+    assert values(labels) == [[0, 0], [1, 0], [1, 0]]
+    assert [s.text[-1] for s in labels] == ["F", "C", "C"]
+    check = vlm.asked[2]
+    assert check.views == vlm.asked[1].views
+    assert f"<question>\n{vlm.asked[1].text}\n</question>" in check.text
+    assert "<answer>\ncooked(patty1): False. L\n</answer>" in check.text
+    assert "cooked(patty1): False\ncooked(patty2): False\nunder(" in check.text
+    assert "<previous>\ncooked(patty1): True. C\n</previous>" in vlm.asked[3].text
+
+
+def test_a_refused_double_check_keeps_the_answer() -> None:
+    _, labels = label(by_purpose("cooked(patty1): False.", "cooked(patty1): True.", "Sorry."), LabelSettings())
+    assert values(labels)[1] == [TRUE, FALSE]
+
+
+def test_counts_of_both_answers_are_kept() -> None:
+    _, labels = label(by_purpose("", "cooked(patty1): Maybe. cooked(patty2): True.", "cooked(patty1): True."))
+    assert labels[1].counts["other words"] == 1
+    settings = LabelSettings()
+    _, labels = label(by_purpose("", "cooked(patty1): Maybe. cooked(patty2): True.", "cooked(patty1): True."), settings)
+    assert labels[1].counts["other words"] == 1
+
+
+GAPS = [
+    "cooked(patty1): True. cooked(patty2): Unknown.",
+    "under(patty1, small_blue_cup): True.",
+    "cooked(patty1): False",
+]
+
+
+def test_missing_values_are_carried_or_false() -> None:
+    _, labels = label(GAPS)
+    assert values(labels) == [[TRUE, UNKNOWN], [TRUE, UNKNOWN], [FALSE, UNKNOWN]]
+    assert [s.counts["missing"] for s in labels] == [2, 3, 3]
+    _, labels = label(GAPS, LabelSettings(double_check=False, missing="false"))
+    assert values(labels) == [[TRUE, UNKNOWN], [FALSE, FALSE], [FALSE, FALSE]]
+
+
+def test_unusable_answers_are_asked_again_and_counted() -> None:
+    vlm, labels = label(["Sorry.", "cooked(patty1): True.", "", "raw(patty1): True.", "No.", "cooked(patty1): True."])
+    assert [r.attempt for r in vlm.asked] == [0, 1, 0, 1, 2, 0]
+    assert values(labels) == [[TRUE, FALSE]] * 3
+    assert [s.counts for s in labels] == [
+        {"unusable answers": 1, "missing": 3}, {"unasked": 1, "unusable answers": 3, "missing": 4}, {"missing": 3}
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 100])
+def test_long_lists_are_split_and_every_part_sees_the_whole_history(size: int) -> None:
+    def answer(request: Request) -> str:
+        listed = request.text.rpartition("Predicates:\n")[2].splitlines()
+        return "\n".join(f"{atom}: True." for atom in listed)
+
+    settings = LabelSettings(double_check=False, max_atoms_per_query=size)
+    vlm, labels = label(answer, settings)
+    parts = -(-4 // size)
+    assert len(vlm.asked) == 3 * parts
+    assert all(set(s.values.values()) == {TRUE} and len(s.values) == 4 for s in labels)
+    assert all("under(patty2, small_blue_cup): True." in r.text for r in vlm.asked[parts:])
+    assert all("cooked(patty1): True." in r.text for r in vlm.asked[parts:])
+
+
+def test_the_budget_fits_an_explanation_of_every_atom() -> None:
+    vlm, _ = label(["cooked(patty1): True."] * 3)
+    assert all(r.max_tokens >= 64 * len(ATOMS) for r in vlm.asked)
+
+
+def test_hints_and_marks_reach_the_queries() -> None:
+    settings = LabelSettings(double_check=False, marks=False, hints=("Cooking is instantaneous.",))
+    vlm, _ = label(["cooked(patty1): True."] * 3, settings)
+    assert ["Cooking is instantaneous." in r.text for r in vlm.asked] == [False, True, True]
+    assert not any(v.marks for r in vlm.asked for v in r.views)
+
+
+def test_no_atoms_are_not_asked_about() -> None:
+    vlm = ScriptedVLM([])
+    labels = Labeller(vlm, LabelSettings()).demo(demo(), [])
+    assert [s.values for s in labels] == [{}, {}, {}]
+    assert vlm.asked == []
+
+
+def test_states_do_not_share_values() -> None:
+    _, labels = label(GAPS)
+    labels[0].values[C1] = FALSE
+    assert labels[1].values[C1] == TRUE
+
+
+def test_the_order_of_atoms_does_not_matter() -> None:
+    one, other = ScriptedVLM(GAPS), ScriptedVLM(GAPS)
+    forth = Labeller(one, PLAIN).demo(demo(), ATOMS)
+    back = Labeller(other, PLAIN).demo(demo(), ATOMS[::-1])
+    assert [s.values for s in forth] == [s.values for s in back]
+    assert [r.key("m") for r in one.asked] == [r.key("m") for r in other.asked]
+
+
+def test_a_changed_later_state_changes_no_earlier_query() -> None:
+    changed = replace(demo(), states=(*demo().states[:2], demo(actions=5).states[5]))
+    one, _ = label(GAPS)
+    other, _ = label(GAPS, demo=changed)
+    same = [a.key("m") == b.key("m") for a, b in zip(one.asked, other.asked, strict=True)]
+    assert same == [True, True, False]
