@@ -163,4 +163,5 @@ def episode_doc(episode: Episode) -> Mapping[str, Any]:
         "true_visual_labels": [str(a) for a in episode.labels],
         "label_errors": list(episode.label_errors),
         "nodes": episode.nodes,
+        "replans": episode.replans,
     }

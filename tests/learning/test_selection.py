@@ -196,4 +196,4 @@ def test_the_default_engine_picks_the_same_meanings_as_the_search_to_the_letter(
             different.append((seed, grouped, exact))
         assert not {"constant", "noise"} & {*grouped[0]} or {"constant", "noise"} & {*exact[0]}
     assert chosen_anything == WORKLOADS
-    assert len(different) <= WORKLOADS // 10, different
+    assert different == []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pix2pred.predicates import Labeller, LabelSettings, abstract, ground_atoms, label_demos
+from pix2pred.predicates import Abstraction, Labeller, LabelSettings, ground_atoms, label_demos
 from pix2pred.structs import UNKNOWN, Candidate, FromFeatures, FromSkills, FromVLM, Predicate, SkillTrigger, State
 from predicates.scripted import COOKED, HOLDING, ITEM, OBJECTS, P1, P2, POOL, ROBOT, UNDER, R, ScriptedVLM, demo, state
 
@@ -59,9 +59,8 @@ def test_atoms_are_sorted_typed_and_over_distinct_objects() -> None:
 def test_a_test_state_is_asked_about_the_given_predicates_only() -> None:
     vlm = ScriptedVLM(["cooked(patty1): Unknown. cooked(patty2): True. under(patty1, small_blue_cup): True."])
     seen = State(state(0).pictures, given=frozenset({HOLDING(R, P1), UNDER(P1, OBJECTS[3])}))
-    held, labels = abstract(seen, OBJECTS, (HOLDING, COOKED, HELD), Labeller(vlm, LabelSettings()))
+    held = Abstraction(OBJECTS, (HOLDING, COOKED, HELD), Labeller(vlm, LabelSettings())).start(seen)
     assert held == {HOLDING(R, P1), COOKED(P2)}
-    assert labels is not None and set(labels.values) == {COOKED(P1), COOKED(P2)}
     (request,) = vlm.asked
     assert request.text.endswith("Predicates:\ncooked(patty1)\ncooked(patty2)\n")
     assert "Executed skill" not in request.text
@@ -69,7 +68,7 @@ def test_a_test_state_is_asked_about_the_given_predicates_only() -> None:
 
 def test_abstraction_without_visual_predicates_asks_nothing() -> None:
     vlm = ScriptedVLM([])
-    assert abstract(state(0), OBJECTS, (HOLDING,), Labeller(vlm, PLAIN)) == (frozenset(), None)
+    assert Abstraction(OBJECTS, (HOLDING,), Labeller(vlm, PLAIN)).start(state(0)) == frozenset()
 
 
 def test_no_demonstrations_give_an_empty_table() -> None:

@@ -32,6 +32,8 @@ def solve(
     seed: int = 0,
     count: int = 10,
     planner: Annotated[str, Parameter(help="portfolio, astar-lmcut or gbfs-ff.")] = "portfolio",
+    closed_loop: Annotated[bool, Parameter(help="Look after every skill and plan again when needed.")] = False,
+    disturb: Annotated[float, Parameter(help="Probability that the scene is disturbed after a skill.")] = 0.0,
     plan_only: Annotated[bool, Parameter(help="Label and plan; execute nothing, need no simulator.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
@@ -39,14 +41,18 @@ def solve(
 
     Example: pix2pred solve runs/stacks --domain burger --family more-stacks --seed 1 --count 10
     """
+    if not 0 <= disturb <= 1:
+        raise RegistryError(f"--disturb {disturb}: a probability lies between 0 and 1")
     with RunFolder(run).locked() as folder:
-        solver, config = load_solver(folder, planner)
+        solver, config = load_solver(folder, planner, closed_loop=closed_loop)
         domain = domain or config["simulator"].get("domain")
         family = family or config["simulator"].get("family")
         chosen, name = _tasks(tasks, solver, domain, family, seed, count, plan_only=plan_only)
         if plan_only:
             return _plan(folder, name, chosen, solver, as_json=json)
-        summary = run_solving(folder, name, chosen, solver, str(domain))
+        if closed_loop or disturb:
+            name += ("-closed-loop" if closed_loop else "") + (f"-disturb-{disturb:g}" if disturb else "")
+        summary = run_solving(folder, name, chosen, solver, str(domain), disturb)
     if json:
         print_json(summary)
     else:
@@ -54,7 +60,7 @@ def solve(
     return 0 if summary["solved"] == summary["tasks"] else 1
 
 
-def load_solver(folder: RunFolder, planner: str) -> tuple[Solver, dict[str, Any]]:
+def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -> tuple[Solver, dict[str, Any]]:
     """A solver with the model, labeller and answer store of a run, and the run's configuration."""
     config = folder.config()
     model = load_model(folder.path / MODEL)
@@ -64,18 +70,18 @@ def load_solver(folder: RunFolder, planner: str) -> tuple[Solver, dict[str, Any]
         raise RegistryError(f"the run was labelled by {config['model']}, but --vlm {config['vlm']} is now {vlm.name}")
     store = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
     labeller = Labeller(StoredVLM(vlm, store, StoreMode.RESUME), settings.labels)
-    return Solver(model, load_planner(planner), labeller), config
+    return Solver(model, load_planner(planner), labeller, closed_loop), config
 
 
 def run_solving(
-    folder: RunFolder, name: str, tasks: Sequence[SimulatedTask], solver: Solver, domain: str
+    folder: RunFolder, name: str, tasks: Sequence[SimulatedTask], solver: Solver, domain: str, disturb: float = 0.0
 ) -> dict[str, Any]:
     """Solve with progress bars; gives the summary."""
     made = load_domain(domain)
 
     def environment_for(task: SimulatedTask) -> tuple[Environment, TruthOf | None]:
-        environment = made.environment(task.task, task.simulator)
-        return environment, word_truth(made, environment)
+        environment = made.environment(task.task, task.simulator, disturb)
+        return environment, None if disturb else word_truth(made, environment)
 
     with bars() as progress:
         solved = solve_into(

@@ -1,5 +1,6 @@
 """From pictures to symbols: proposing, labelling, and feature predicates."""
 
+from pix2pred.predicates.abstraction import Abstraction
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
 from pix2pred.predicates.label import Labeller, LabelSettings, StateLabels
 from pix2pred.predicates.propose import (
@@ -11,9 +12,10 @@ from pix2pred.predicates.propose import (
     lift,
     propose,
 )
-from pix2pred.predicates.table import Labelling, abstract, ground_atoms, label_demos
+from pix2pred.predicates.table import Labelling, ground_atoms, label_demos
 
 __all__ = [
+    "Abstraction",
     "EmptyProposalError",
     "GrammarSettings",
     "LabelSettings",
@@ -24,7 +26,6 @@ __all__ = [
     "ProposedAtom",
     "Rejection",
     "StateLabels",
-    "abstract",
     "feature_predicates",
     "ground_atoms",
     "label_demos",

@@ -1,4 +1,4 @@
-"""From demonstrations and a pool to the truth table (method 3.7), and from a test state to its abstraction (3.8)."""
+"""From demonstrations and a pool of predicates to the truth table (method 3.7)."""
 
 from __future__ import annotations
 
@@ -12,15 +12,12 @@ from joblib import Parallel, delayed
 from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.label import Labeller, StateLabels
 from pix2pred.structs import (
-    TRUE,
-    AbstractState,
     Atom,
     Candidate,
     Demo,
     LabelledDemo,
     Object,
     Predicate,
-    State,
     TruthTable,
     groundings,
 )
@@ -80,16 +77,3 @@ def _label_demo(
 def ground_atoms(predicates: Iterable[Predicate], objects: Sequence[Object]) -> tuple[Atom, ...]:
     """All type-consistent atoms over distinct objects (switch ``distinct_args`` of method 1.5 on), sorted."""
     return tuple(sorted(Atom(p, args) for p in predicates for args in groundings(p.types, objects, distinct=True)))
-
-
-def abstract(
-    state: State, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: Labeller
-) -> tuple[AbstractState, StateLabels | None]:
-    """The atoms that hold in a state seen for the first time, and the model's answer if one was needed (3.8)."""
-    atoms = ground_atoms(predicates, objects)
-    asked = [a for a in atoms if is_asked(a)]
-    labels = labeller.first(state, objects, asked) if asked else None
-    held = {a for a in atoms if not is_asked(a) and local_values(a, [state], []) == [TRUE]}
-    if labels:
-        held |= {a for a, value in labels.values.items() if value == TRUE}
-    return frozenset(held), labels

@@ -92,6 +92,6 @@ class Domain(Protocol):
         """Unseen test tasks."""
         ...
 
-    def environment(self, task: Task, simulator: SimulatorState) -> Environment:
-        """A fresh episode of a task."""
+    def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> Environment:
+        """A fresh episode of a task; ``disturb`` is the probability that the scene is disturbed after a skill."""
         ...

@@ -53,8 +53,8 @@ class ExecutedStep:
 class Episode:
     """One task tried once. ``failure`` is None exactly when the task was solved.
 
-    ``labels`` are the atoms the plan rests on; ``label_errors`` lists labels known to be wrong, where a
-    ground truth exists.
+    ``labels`` are the visual atoms the (first) plan rests on; ``label_errors`` lists labels known to be
+    wrong, where a ground truth exists; ``replans`` counts plans made after the first.
     """
 
     task: str
@@ -65,6 +65,7 @@ class Episode:
     labels: tuple[Atom, ...]
     label_errors: tuple[str, ...]
     nodes: int
+    replans: int = 0
 
     @property
     def solved(self) -> bool:

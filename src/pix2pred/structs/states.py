@@ -97,7 +97,10 @@ class Image:
     def pixels(self) -> Pixels:
         """Decode, upright. Raises ``PictureError`` for what is not a PNG or JPEG picture of a sane size."""
         with self._opened() as opened:
-            return np.asarray(PIL.ImageOps.exif_transpose(opened).convert("RGB"), dtype=np.uint8)
+            pixels = np.asarray(PIL.ImageOps.exif_transpose(opened).convert("RGB"), dtype=np.uint8)
+        if self.__dict__.setdefault("digest", digest := _digest(pixels)) != digest:
+            raise PictureError(f"{self._source!s:.200}: changed while it was being used; run the command again")
+        return pixels
 
     @cached_property
     def size(self) -> tuple[int, int]:
@@ -130,7 +133,8 @@ class Image:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of shape and decoded pixels: the same whatever compressed the file."""
-        return _digest(self.pixels())
+        self.pixels()
+        return str(self.__dict__["digest"])
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Image) and self.digest == other.digest

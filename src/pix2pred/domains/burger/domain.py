@@ -8,6 +8,7 @@ from typing import Any
 
 from pix2pred.domains.burger.classifiers import objects_of
 from pix2pred.domains.burger.demonstrator import demonstrate
+from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.families import Family, Variant, bind_atom, load_families
 from pix2pred.domains.burger.observe import observe
@@ -67,15 +68,19 @@ class BurgerDomain:
             tasks.append(SimulatedTask(task, {"family": family, "world": world.to_dict()}))
         return tuple(tasks)
 
-    def environment(self, task: Task, simulator: SimulatorState) -> BurgerEnvironment:
-        """A fresh episode of a task. Raises ``ValueError`` when the simulator state does not belong to it."""
+    def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> BurgerEnvironment:
+        """A fresh episode of a task; with probability ``disturb`` something happens to the scene after a skill.
+
+        Raises ``ValueError`` when the simulator state does not belong to the task.
+        """
         if "family" not in simulator or "world" not in simulator:
             raise ValueError("not a burger simulator state: it needs 'family' and 'world'")
         family = self._family(simulator["family"])
         world = World.from_dict(simulator["world"])
         if set(objects_of(world)) != set(task.objects):
             raise ValueError(f"task {task.name}: its objects are not those of the simulator state")
-        return BurgerEnvironment(world, family.initial, task.goal)
+        disturbances = Disturbances(disturb, (world.look, int(Split.DISTURBANCES))) if disturb else None
+        return BurgerEnvironment(world, family.initial, task.goal, disturbances)
 
     def _family(self, name: str) -> Family:
         families = load_families()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pix2pred.domains.burger.classifiers import holds
+from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.observe import observe
 from pix2pred.domains.burger.skills import explain, policy_for
 from pix2pred.domains.burger.world import World, advance
@@ -18,16 +19,25 @@ HORIZON = 200
 class BurgerEnvironment:
     """An episode that starts in ``initial``. ``world`` is the ground truth; only states are meant to leave."""
 
-    def __init__(self, initial: World, predicates: Sequence[Predicate], goal: Sequence[Atom]) -> None:
+    def __init__(
+        self,
+        initial: World,
+        predicates: Sequence[Predicate],
+        goal: Sequence[Atom],
+        disturbances: Disturbances | None = None,
+    ) -> None:
         self.world = initial
         self.steps = 0
         self._initial = initial
         self._predicates = tuple(predicates)
         self._goal = tuple(goal)
+        self._disturbances = disturbances
 
     def reset(self) -> None:
-        """Start the episode over."""
+        """Start the episode over; the same disturbances would come again."""
         self.world, self.steps = self._initial, 0
+        if self._disturbances:
+            self._disturbances.reset()
 
     def observe(self) -> State:
         """The state now."""
@@ -39,7 +49,10 @@ class BurgerEnvironment:
 
     def execute(self, action: Action) -> Step:
         """Run one skill. It never raises: what cannot work is ``STUCK`` with a sentence about the cause."""
-        return Step(*self._run(Application(action.skill.name, tuple(o.name for o in action.objects))))
+        step = Step(*self._run(Application(action.skill.name, tuple(o.name for o in action.objects))))
+        if self._disturbances and not self.goal_reached():
+            self.world = self._disturbances(self.world)
+        return step
 
     def _run(self, skill: Application) -> tuple[StepStatus, str]:
         start = self.world

@@ -18,6 +18,7 @@ class Split(IntEnum):
 
     DEMONSTRATIONS = 0
     TASKS = 1
+    DISTURBANCES = 3
 
 
 def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:

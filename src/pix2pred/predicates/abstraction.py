@@ -1,0 +1,50 @@
+"""What an episode looks like in symbols while it unfolds (method 3.8)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pix2pred.predicates.initial import is_asked, local_values
+from pix2pred.predicates.label import Labeller, StateLabels
+from pix2pred.predicates.table import ground_atoms
+from pix2pred.structs import TRUE, AbstractState, Action, Object, Predicate, State
+
+
+class Abstraction:
+    """Labels the states of one episode, each with the history before it, as demonstrations are labelled.
+
+    Only groundings of ``predicates`` over ``objects`` are asked for. There is no double check (method 3.5).
+    """
+
+    def __init__(self, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: Labeller) -> None:
+        self._objects = objects
+        self._labeller = labeller
+        atoms = ground_atoms(predicates, objects)
+        self._asked = [a for a in atoms if is_asked(a)]
+        self._local = [a for a in atoms if not is_asked(a)]
+        self._states: list[State] = []
+        self._actions: list[Action] = []
+        self._labels = StateLabels({}, "")
+
+    def start(self, state: State) -> AbstractState:
+        """The atoms that hold in the first state."""
+        self._states, self._actions = [state], []
+        if self._asked:
+            self._labels = self._labeller.first(state, self._objects, self._asked)
+        return self._held()
+
+    def advance(self, action: Action, state: State) -> AbstractState:
+        """The atoms that hold in the state after ``action``."""
+        before = self._states[-1]
+        self._states.append(state)
+        self._actions.append(action)
+        if self._asked:
+            t = len(self._actions)
+            self._labels = self._labeller.next(
+                before, state, t, action, self._objects, self._labels, self._asked, double_check=False
+            )
+        return self._held()
+
+    def _held(self) -> AbstractState:
+        local = {a for a in self._local if local_values(a, self._states, self._actions)[-1] == TRUE}
+        return frozenset(local | {a for a, value in self._labels.values.items() if value == TRUE})
