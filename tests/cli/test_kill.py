@@ -1,4 +1,4 @@
-"""Killed at any moment, a run resumes to the same bytes. PIX2PRED_KILLS sets how many moments are tried (default 3)."""
+"""Killed at any moment, a run resumes to the same bytes. PIX2PRED_KILLS sets how many moments are tried (default 1)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-KILLS = int(os.environ.get("PIX2PRED_KILLS", "3"))
+KILLS = int(os.environ.get("PIX2PRED_KILLS", "1"))
 
 
 def _tree(folder: Path) -> dict[str, bytes]:

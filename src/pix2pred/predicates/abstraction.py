@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.label import Labeller, StateLabels
 from pix2pred.predicates.table import ground_atoms
-from pix2pred.structs import TRUE, AbstractState, Action, Object, Predicate, State
+from pix2pred.structs import TRUE, AbstractState, Action, Atom, Object, Predicate, State
 
 
 class Abstraction:
@@ -19,6 +19,7 @@ class Abstraction:
     def __init__(self, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: Labeller) -> None:
         self._objects = objects
         self._labeller = labeller
+        self._by_name = {p.name: p for p in predicates}
         atoms = ground_atoms(predicates, objects)
         self._asked = [a for a in atoms if is_asked(a)]
         self._local = [a for a in atoms if not is_asked(a)]
@@ -28,6 +29,7 @@ class Abstraction:
 
     def start(self, state: State) -> AbstractState:
         """The atoms that hold in the first state."""
+        state = self._in_our_words(state)
         self._states, self._actions = [state], []
         if self._asked:
             self._labels = self._labeller.first(state, self._objects, self._asked)
@@ -35,6 +37,7 @@ class Abstraction:
 
     def advance(self, action: Action, state: State) -> AbstractState:
         """The atoms that hold in the state after ``action``."""
+        state = self._in_our_words(state)
         before = self._states[-1]
         self._states.append(state)
         self._actions.append(action)
@@ -44,6 +47,13 @@ class Abstraction:
                 before, state, t, action, self._objects, self._labels, self._asked, double_check=False
             )
         return self._held()
+
+    def _in_our_words(self, state: State) -> State:
+        """``state`` with given atoms over the model's predicates: a simulator knows their names, not their sources."""
+        given = (
+            Atom(self._by_name[a.predicate.name], a.objects) for a in state.given if a.predicate.name in self._by_name
+        )
+        return State(state.pictures, state.features, frozenset(given))
 
     def _held(self) -> AbstractState:
         local = {a for a in self._local if local_values(a, self._states, self._actions)[-1] == TRUE}
