@@ -66,9 +66,13 @@ def learn(
     Raises ``EmptyProposalError`` when the model proposes nothing usable, ``VLMError`` when it cannot be asked.
     """
     jobs = settings.concurrent_queries
-    progress("propose", 0, len(demos), vlm.name)
-    proposals = propose(demos, vlm, settings.proposal, jobs)
-    progress("propose", len(demos), len(demos), vlm.name)
+    proposals = propose(
+        demos,
+        vlm,
+        settings.proposal,
+        jobs=jobs,
+        progress=lambda done, total, name: progress("propose", done, total, name),
+    )
     visual = lift(proposals, taken=[p.name for p in vocabulary.initial])
     features = feature_predicates(demos, vocabulary.types, settings.grammar)
     labelling = label_demos(

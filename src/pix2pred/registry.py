@@ -12,7 +12,7 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from pix2pred.execution import TruthOf
-from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio
+from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio, Search
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
@@ -21,10 +21,10 @@ from pix2pred.vlm import VLM
 _DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
 _TRUTHS = {"burger": "pix2pred.domains.burger.truth:concept_value"}
 
-PLANNERS: dict[str, Callable[[], Planner]] = {
-    "astar-lmcut": lambda: Planner(AStar()),
-    "gbfs-ff": lambda: Planner(GreedyBestFirst()),
-    "portfolio": lambda: Planner(Portfolio((AStar(max_nodes=5_000), GreedyBestFirst()))),
+SEARCHES: dict[str, Callable[[], Search]] = {
+    "astar-lmcut": AStar,
+    "gbfs-ff": GreedyBestFirst,
+    "portfolio": lambda: Portfolio((AStar(max_nodes=5_000), GreedyBestFirst())),
 }
 """``portfolio``, the default, plans optimally where that is cheap and greedily otherwise."""
 
@@ -61,11 +61,11 @@ def load_vlm(spec: str, domain: str | None) -> VLM:
     return OfflineReader(str(domain), ReaderModel.load(reader))
 
 
-def load_planner(name: str) -> Planner:
-    """The planner called ``name``. Raises ``UnknownNameError``."""
-    if name not in PLANNERS:
-        raise UnknownNameError("planner", name, PLANNERS)
-    return PLANNERS[name]()
+def load_planner(name: str, *, distinct: bool = True) -> Planner:
+    """The planner called ``name``; ``distinct`` parameters stand for distinct objects. Raises ``UnknownNameError``."""
+    if name not in SEARCHES:
+        raise UnknownNameError("planner", name, SEARCHES)
+    return Planner(SEARCHES[name](), distinct=distinct)
 
 
 def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:

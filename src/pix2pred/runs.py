@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pix2pred.execution import Solver, TruthOf
-from pix2pred.learning import Selection, dump_traces
+from pix2pred.learning import dump_traces, selection_document
 from pix2pred.pipeline import Learned, Progress, Settings, learn
 from pix2pred.planning.pddl_write import write_domain
 from pix2pred.predicates import Proposal
@@ -43,7 +43,7 @@ def learn_into(
     table, selection = learned.labelling.table, learned.selection
     run.write_json("proposals.json", [_proposal_doc(p) for p in learned.proposals])
     run.write("labels/traces.json", dump_traces(vocabulary, table, settings.learning.model_dump()))
-    run.write_json("selection.json", _selection_doc(selection))
+    run.write_json("selection.json", selection_document(selection, settings.learning))
     run.write(MODEL, dump_model(learned.model))
     run.write("model/domain.pddl", write_domain(learned.model))
     metrics = {
@@ -80,29 +80,6 @@ def _proposal_doc(proposal: Proposal) -> dict[str, Any]:
         "demo": proposal.demo,
         "accepted": [f"{a.name}({', '.join(o.name for o in a.objects)})" for a in proposal.accepted],
         "rejected": [{"text": r.text, "reason": r.reason} for r in proposal.rejected],
-    }
-
-
-def _selection_doc(selection: Selection) -> dict[str, Any]:
-    return {
-        "selected": [p.name for p in selection.selected],
-        "dropped": [p.name for p in selection.dropped],
-        "steps": [
-            {
-                "added": step.added.name if step.added else None,
-                "J": round(step.j, 4),
-                "J_demos": [None if j is None else round(j, 4) for j in step.j_demos],
-                "runners_up": [
-                    {"predicate": r.predicate.name, "J": round(r.j, 4), "lower_bound": not r.exact}
-                    for r in step.runners_up
-                ],
-            }
-            for step in selection.steps
-        ],
-        "identical_columns": {p.name: [q.name for q in others] for p, others in selection.identical},
-        "evaluations": selection.evaluations,
-        "scored": selection.scored,
-        "budget_hits": selection.budget_hits,
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 
 import pytest
@@ -77,6 +78,19 @@ def test_budget_is_reported_not_unsolvable() -> None:
     assert AStar(max_nodes=1)(Strips(1, (), (), (), 1, 1)).status == PlanStatus.SOLVED
 
 
+@dataclass(frozen=True)
+class Listed:
+    """Estimates from a table."""
+
+    estimates: dict[int, int]
+
+    def __call__(self, state: int) -> int | None:
+        return self.estimates[state]
+
+    def after(self, parent: int, k: int, state: int) -> int | None:
+        return self.estimates[state]
+
+
 def test_re_opening_with_an_inconsistent_heuristic() -> None:
     # 0 -> 1 -> 2 -> 3 and a detour-free edge 0 -> 2 that a misleading (but admissible) estimate hides at first
     task = Strips(
@@ -88,7 +102,7 @@ def test_re_opening_with_an_inconsistent_heuristic() -> None:
         0b10000,
     )
     estimates = {0b00001: 0, 0b00010: 0, 0b00100: 0, 0b01000: 1, 0b10000: 0}
-    assert len(AStar(heuristic=lambda task: estimates.__getitem__)(task).plan) == 3
+    assert len(AStar(heuristic=lambda task: Listed(estimates))(task).plan) == 3
 
 
 def test_a_portfolio_falls_back_only_when_a_budget_runs_out() -> None:

@@ -14,6 +14,8 @@ from pix2pred import __version__
 from pix2pred.cli.data import check, generate
 from pix2pred.cli.demo import demo
 from pix2pred.cli.learn import learn
+from pix2pred.cli.plan_pddl import plan_pddl
+from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
 from pix2pred.learning import TracesError
@@ -45,7 +47,7 @@ app = App(
     version=__version__,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (demo, generate, check, learn, solve):
+for _verb in (demo, generate, check, learn, solve, select, plan_pddl):
     app.command(_verb)
 
 

@@ -23,6 +23,7 @@ _STAGES = {
     "label": "Labelling states",
     "select": "Selecting predicates",
     "solve": "Solving tasks",
+    "score": "Scoring a set",
 }
 
 

@@ -1,5 +1,6 @@
 """From labels to operators and selected predicates. Nothing here asks a model or sees a picture."""
 
+from pix2pred.learning.document import selection_document
 from pix2pred.learning.engines import skeleton_search, tie_rule
 from pix2pred.learning.operators import learn_operators
 from pix2pred.learning.selection import HillClimbing, RunnerUp, Selection, Step, TieRule
@@ -18,6 +19,7 @@ __all__ = [
     "dump_traces",
     "learn_operators",
     "load_traces",
+    "selection_document",
     "skeleton_search",
     "tie_rule",
 ]

@@ -8,8 +8,8 @@ re-partitions the classes in which that predicate changes (engine, item 7).
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 from pix2pred.learning.data import Data, ObjectIds
 from pix2pred.structs import Type
@@ -81,8 +81,65 @@ def refine(data: Data, classes: Partition, predicates: Sequence[int], added: int
     refined: list[TransitionClass] = []
     for cls in classes:
         members = [m.transition for m in cls.members]
-        refined.extend([cls] if changing.isdisjoint(members) else _cluster(data, wider, members))
+        if changing.isdisjoint(members):
+            refined.append(cls)
+        else:
+            refined.extend(_split(data, cls, added) or _cluster(data, wider, members))
     return tuple(sorted(refined, key=lambda c: c.first))
+
+
+def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
+    """The parts of ``cls`` by what ``added`` does to its variables.
+
+    ``None`` where that does not settle it: when ``added`` changes objects that no variable stands for, or when
+    several variables of one type are bound by effects alone, so that a member's binding is one of several.
+    """
+    free = [t for v, t in enumerate(cls.types) if v not in cls.skill_args]
+    if len(set(free)) < len(free):
+        return None
+    parts: dict[tuple[frozenset[tuple[int, ...]], ...], list[Member]] = {}
+    for member in cls.members:
+        number = {o: v for v, o in enumerate(member.objects)}
+        changes = data.effects(added, member.transition)
+        if any(o not in number for extension in changes for args in extension for o in args):
+            return None
+        key = tuple(frozenset(tuple(number[o] for o in args) for args in extension) for extension in changes)
+        parts.setdefault(key, []).append(member)
+    if len(parts) == 1:
+        ((plus, minus),) = parts
+        return (
+            replace(
+                cls,
+                add=cls.add + tuple((added, v) for v in sorted(plus)),
+                delete=cls.delete + tuple((added, v) for v in sorted(minus)),
+            ),
+        )
+    return tuple(_part(data, cls, members, added, *key) for key, members in parts.items())
+
+
+def _part(
+    data: Data,
+    cls: TransitionClass,
+    members: Sequence[Member],
+    added: int,
+    plus: frozenset[tuple[int, ...]],
+    minus: frozenset[tuple[int, ...]],
+) -> TransitionClass:
+    """The class of ``members`` alone, its variables in the order of the first member's object names."""
+    order = sorted(range(len(cls.types)), key=members[0].objects.__getitem__)
+    new = {old: v for v, old in enumerate(order)}
+
+    def renumbered(lifted: Iterable[Lifted], more: frozenset[tuple[int, ...]]) -> tuple[Lifted, ...]:
+        return tuple(sorted((p, tuple(new[v] for v in args)) for p, args in (*lifted, *((added, m) for m in more))))
+
+    return TransitionClass(
+        cls.skill,
+        tuple(cls.types[old] for old in order),
+        tuple(new[v] for v in cls.skill_args),
+        renumbered(cls.add, plus),
+        renumbered(cls.delete, minus),
+        tuple(Member(m.transition, tuple(m.objects[old] for old in order)) for m in members),
+    )
 
 
 def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) -> Partition:

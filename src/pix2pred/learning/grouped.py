@@ -132,7 +132,7 @@ class _GroupedSearch:
                     self.nodes += total
                     for e, count in counts.items():
                         plateau.created[e] += count
-                    h = estimate(successor)
+                    h = estimate.after(state, k, successor)
                     if h is None:
                         continue
                     child_f = g + 1 + h

@@ -27,6 +27,34 @@ class Score:
     budget_hits: int
 
 
+@dataclass(slots=True)
+class PartialSum:
+    """J of a predicate set over the demonstrations looked at so far: a lower bound, since no term is negative."""
+
+    predicates: tuple[int, ...]
+    operators: Sequence[Schema]
+    total: float
+    demos: list[float | None]
+    exact: bool = True
+    budget_hits: int = 0
+
+    def add(self, d: int, score: DemoScore) -> None:
+        """Account for demonstration ``d``."""
+        self.total += score.value
+        self.demos[d] = score.value
+        self.exact &= score.exact
+        self.budget_hits += score.budget_hit
+
+    @property
+    def complete(self) -> bool:
+        """Whether every demonstration has been looked at, to the end."""
+        return self.exact and None not in self.demos
+
+    def score(self) -> Score:
+        """The sum as it stands."""
+        return Score(self.total, self.complete, tuple(self.demos), self.budget_hits)
+
+
 class Objective:
     """Scores predicate sets over one data set, remembering what demonstrations with equal tasks cost."""
 
@@ -38,37 +66,28 @@ class Objective:
         self._known: dict[tuple[Strips | None, int], DemoScore] = {}
         self.searches = 0
 
-    def score(
-        self, chosen: Sequence[int], classes: Partition, order: Sequence[int], bound: float = float("inf")
-    ) -> Score:
-        """J of the initial predicates with ``chosen``, whose transitions are partitioned into ``classes``.
+    def score(self, chosen: Sequence[int], classes: Partition) -> Score:
+        """J of the initial predicates with ``chosen``, whose transitions are partitioned into ``classes``."""
+        sum_ = self.begin(chosen, classes)
+        for d in range(len(self._data.demos)):
+            sum_.add(d, self.score_demo(sum_, d, float("inf")))
+        return sum_.score()
 
-        Demonstrations are summed in ``order``; once the sum exceeds ``bound`` the rest is left out (engine, item 6).
-        """
+    def begin(self, chosen: Sequence[int], classes: Partition) -> PartialSum:
+        """J of a set before any demonstration is looked at: the cost of its predicates."""
         predicates = (*range(self._data.initial), *chosen)
         operators = schemas(self._data, classes, predicates, self._settings)
-        total = W_PRED * sum(self._data.cost(p) for p in chosen)
-        demos: list[float | None] = [None] * len(self._data.demos)
-        budget_hits = 0
-        exact = True
-        for d in order:
-            if total > bound:
-                exact = False
-                break
-            score = self._score_demo(d, operators, predicates, bound - total)
-            demos[d] = score.value
-            total += score.value
-            exact &= score.exact
-            budget_hits += score.budget_hit
-        return Score(total, exact, tuple(demos), budget_hits)
+        cost = W_PRED * sum(self._data.cost(p) for p in chosen)
+        return PartialSum(predicates, operators, cost, [None] * len(self._data.demos))
 
-    def _score_demo(self, d: int, operators: Sequence[Schema], predicates: Sequence[int], bound: float) -> DemoScore:
+    def score_demo(self, part: PartialSum, d: int, bound: float) -> DemoScore:
+        """J_d of the set that ``part`` belongs to; a lower bound once it is certain to exceed ``bound``."""
         demo = self._data.demos[d]
         scene = self._scenes.get(demo.objects)
         if scene is None:
             scene = self._scenes[demo.objects] = Scene(self._data, demo.objects)
-        initial, goal = initial_and_goal(self._data, scene, d, predicates)
-        instances = [bits for schema in operators for bits in scene.ground(schema)]
+        initial, goal = initial_and_goal(self._data, scene, d, part.predicates)
+        instances = [bits for schema in part.operators for bits in scene.ground(schema)]
         key = (relevant_task(instances, initial, goal), demo.states)
         known = self._known.get(key)
         if known is None or (not known.exact and known.value <= bound):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -117,7 +118,7 @@ class HillClimbing:
         data = self._data
         initial = tuple(range(data.initial))
         classes = partition(data, initial)
-        score = self._objective.score((), classes, range(len(data.demos)))
+        score = self._objective.score((), classes)
         current = _Scored(-1, (), classes, score)
         self._evaluations = self._scored = 1
         self._budget_hits = score.budget_hits
@@ -142,7 +143,7 @@ class HillClimbing:
             raise ValueError(f"{', '.join(absent)}: never true in the demonstrations, so not a candidate")
         numbers = tuple(self._data.predicates.index(p) for p in chosen)
         classes = partition(self._data, (*range(self._data.initial), *numbers))
-        return self._objective.score(numbers, classes, range(len(self._data.demos)))
+        return self._objective.score(numbers, classes)
 
     def _stop(self, previous: float, current: float) -> bool:
         if self._settings.early_stop == "level":
@@ -158,26 +159,39 @@ class HillClimbing:
         return {members[0]: members[1:] for members in sorted(by_column.values())}
 
     def _expand(self, current: _Scored, progress: Progress) -> list[_Scored]:
-        """Score every set with one more candidate, in order of name; hopeless ones get a lower bound."""
+        """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.
+
+        The set with the smallest sum so far is taken to the next demonstration, the easiest one first, until no
+        sum can come within the tie margin of the best any more (engine, item 6, best-first).
+        """
         data = self._data
-        predicates = (*range(data.initial), *current.chosen)
-        order = sorted(range(len(data.demos)), key=lambda d: -(current.score.demos[d] or 0.0))
+        order = sorted(range(len(data.demos)), key=lambda d: current.score.demos[d] or 0.0)
         candidates = [p for p in self._representatives if p not in current.chosen]
+        refined = [refine(data, current.classes, (*range(data.initial), *current.chosen), p) for p in candidates]
+        sums = [
+            self._objective.begin((*current.chosen, p), classes) for p, classes in zip(candidates, refined, strict=True)
+        ]
+        queue = [(part.total, i, 0) for i, part in enumerate(sums)]
+        heapq.heapify(queue)
         bound = current.score.total
-        scored = []
-        for done, p in enumerate(candidates):
-            progress(done, len(candidates), data.predicates[p].name)
-            chosen = (*current.chosen, p)
-            classes = refine(data, current.classes, predicates, p)
-            score = self._objective.score(chosen, classes, order, bound)
-            if score.exact:
-                bound = min(bound, score.total + self._ties.margin)
-            scored.append(_Scored(p, chosen, classes, score))
-            self._evaluations += 1 + len(self._representatives[p])
-            self._budget_hits += score.budget_hits
-        self._scored += len(candidates)
+        while queue and queue[0][0] <= bound:
+            _, i, position = heapq.heappop(queue)
+            progress(len(candidates) - len(queue), len(candidates), data.predicates[candidates[i]].name)
+            if position == len(order):
+                bound = min(bound, sums[i].total + self._ties.margin)
+                continue
+            d = order[position]
+            sums[i].add(d, self._objective.score_demo(sums[i], d, bound - sums[i].total))
+            if sums[i].exact:
+                heapq.heappush(queue, (sums[i].total, i, position + 1))
         progress(len(candidates), len(candidates), "")
-        return scored
+        self._scored += len(candidates)
+        self._evaluations += sum(1 + len(self._representatives[p]) for p in candidates)
+        self._budget_hits += sum(part.budget_hits for part in sums)
+        return [
+            _Scored(p, (*current.chosen, p), classes, part.score())
+            for p, classes, part in zip(candidates, refined, sums, strict=True)
+        ]
 
     def _finish(self, chosen: Sequence[int], steps: Sequence[Step]) -> Selection:
         """Drop predicates that are no precondition, then learn the final operators (method 6.3)."""

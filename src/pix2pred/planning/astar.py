@@ -5,14 +5,24 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from pix2pred.planning.lmcut import LMCut
 from pix2pred.planning.planner import SearchResult
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import PlanStatus
 
-Heuristic = Callable[[int], int | None]
-"""Estimate of the distance from a state to the goal; ``None`` for a dead end."""
+
+class Heuristic(Protocol):
+    """Estimate of the distance from a state to the goal; ``None`` for a dead end."""
+
+    def __call__(self, state: int) -> int | None:
+        """The estimate for ``state``."""
+        ...
+
+    def after(self, parent: int, k: int, state: int) -> int | None:
+        """The estimate for ``state``, reached from ``parent``, which was estimated before, by operator ``k``."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +55,7 @@ class AStar:
                 successor = task.successor(state, k)
                 if best.get(successor, g + 2) <= g + 1:
                     continue
-                h = estimate(successor)
+                h = estimate.after(state, k, successor)
                 if h is None:
                     continue
                 best[successor] = g + 1

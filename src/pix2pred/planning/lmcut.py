@@ -24,26 +24,40 @@ class LMCut:
         self._operators = [
             (pre, add & ~pre, 1 << k) for k, (pre, add) in enumerate(zip(task.pre, task.add, strict=True)) if add & ~pre
         ]
-        self._known: dict[int, int | None] = {}
+        self._known: dict[int, tuple[int, ...] | None] = {}
 
     def __call__(self, state: int) -> int | None:
         """The estimate for ``state``."""
         if state not in self._known:
-            self._known[state] = self._estimate(state)
-        return self._known[state]
+            self._known[state] = self._cuts(state, ())
+        return _length(self._known[state])
 
-    def _estimate(self, state: int) -> int | None:
+    def after(self, parent: int, k: int, state: int) -> int | None:
+        """The estimate for ``state``, reached from ``parent`` by operator ``k``; cheaper than from scratch.
+
+        The parent's landmarks without ``k`` are landmarks of the successor as well and are kept (Pommerening and
+        Helmert, "Incremental LM-cut", 2013). Where estimates differ, so do ties: both are admissible.
+        """
+        if state not in self._known:
+            kept = tuple(cut for cut in self._known.get(parent) or () if not cut >> k & 1)
+            self._known[state] = self._cuts(state, kept)
+        return _length(self._known[state])
+
+    def _cuts(self, state: int, landmarks: tuple[int, ...]) -> tuple[int, ...] | None:
+        """Disjoint landmarks of ``state``, beginning with ``landmarks``, until the goal costs nothing more."""
         free = 0
-        cuts = 0
+        for landmark in landmarks:
+            free |= landmark
+        found = list(landmarks)
         while True:
             goal_supporter, edges = self._justify(state, free)
             if goal_supporter is None:
                 return None
             if goal_supporter == 0:
-                return cuts
+                return tuple(found)
             zone = _goal_zone(goal_supporter, [edge for edge in edges if edge[2] & free])
-            free |= _cut(state, zone, edges)
-            cuts += 1
+            found.append(_cut(state, zone, edges))
+            free |= found[-1]
 
     def _justify(self, state: int, free: int) -> tuple[int | None, list[Edge]]:
         """The goal's supporter (0: goal reached for nothing, None: never reached) and the justification graph."""
@@ -86,6 +100,10 @@ class LMCut:
             edges.append((supporter & -supporter, add, bit))
         goal_supporter = goal & ~cheaper if layer else 0
         return goal_supporter & -goal_supporter, edges
+
+
+def _length(landmarks: tuple[int, ...] | None) -> int | None:
+    return None if landmarks is None else len(landmarks)
 
 
 def _goal_zone(goal_supporter: int, free_edges: list[Edge]) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -60,16 +60,30 @@ class EmptyProposalError(RuntimeError):
     """No demonstration gave a single usable atom."""
 
 
-def propose(demos: Sequence[Demo], vlm: VLM, settings: ProposalSettings, jobs: int = 4) -> tuple[Proposal, ...]:
+Progress = Callable[[int, int, str], None]
+"""Called with (demonstrations done, demonstrations, name of the one just finished)."""
+
+
+def propose(
+    demos: Sequence[Demo],
+    vlm: VLM,
+    settings: ProposalSettings,
+    *,
+    jobs: int = 4,
+    progress: Progress = lambda done, total, name: None,
+) -> tuple[Proposal, ...]:
     """One proposal per demonstration, in the order of ``demos``. Raises ``EmptyProposalError`` if all are empty."""
-    work = Parallel(n_jobs=jobs, prefer="threads")
-    proposals = tuple(work(delayed(_propose_for)(demo, vlm, settings) for demo in demos))
+    work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
+    proposals: list[Proposal] = []
+    for proposal in work(delayed(_propose_for)(demo, vlm, settings) for demo in demos):
+        proposals.append(proposal)
+        progress(len(proposals), len(demos), proposal.demo)
     if not any(p.accepted for p in proposals):
         raise EmptyProposalError(
             f"{vlm.name} proposed no usable predicate for any of {len(demos)} demonstrations; "
             "see the rejected atoms in the run folder"
         )
-    return proposals
+    return tuple(proposals)
 
 
 def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings) -> Proposal:

@@ -1,0 +1,134 @@
+"""``select``: symbolic labels in, predicates and operators out; no pictures needed."""
+
+from __future__ import annotations
+
+import json as json_module
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+from pydantic import ValidationError
+
+from pix2pred.cli.console import bars, err, print_json
+from pix2pred.learning import (
+    HillClimbing,
+    LearningSettings,
+    Selection,
+    Traces,
+    TracesError,
+    load_traces,
+    selection_document,
+    skeleton_search,
+    tie_rule,
+)
+from pix2pred.planning.pddl_write import write_domain, write_problem
+from pix2pred.structs import Predicate, WorldModel
+from pix2pred.structs.documents import UnknownNameError
+
+
+def select(
+    file: Path,
+    /,
+    *,
+    out: Annotated[Path, Parameter(help="File to write, e.g. selection.json; timings.json goes beside it.")],
+    pddl: Annotated[Path | None, Parameter(help="Folder for domain.pddl and a problem per demonstration.")] = None,
+    score: Annotated[str | None, Parameter(help="Score this set (A,B; empty: none) instead of searching.")] = None,
+    tie_seeds: Annotated[int, Parameter(help="With --score: min, median, max of J over this many seeds.")] = 0,
+    engine: Literal["grouped", "exact-tree"] | None = None,
+    h_pre_frac: float | None = None,
+    h_data_frac: float | None = None,
+    j_threshold: float | None = None,
+    early_stop: Literal["level", "improvement"] | None = None,
+    precondition_rule: Literal["at_least", "more_than"] | None = None,
+    max_plans: int | None = None,
+    node_budget: int | None = None,
+    tie_seed: int | None = None,
+    json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+) -> int:
+    """Select predicates and learn operators from labelled demonstrations in a traces file (.json or .json.gz).
+
+    Example: pix2pred select labels.json.gz --out selection.json --pddl pddl
+    """
+    traces = load_traces(file)
+    options = {
+        "engine": engine, "h_pre_frac": h_pre_frac, "h_data_frac": h_data_frac, "j_threshold": j_threshold,
+        "early_stop": early_stop, "precondition_rule": precondition_rule, "max_plans": max_plans,
+        "node_budget": node_budget, "tie_seed": tie_seed,
+    }  # fmt: skip
+    settings = _settings(file, traces, {k: v for k, v in options.items() if v is not None})
+    wall, cpu = time.perf_counter(), time.process_time()
+    with bars() as progress:
+        if score is not None:
+            document, scored = _score(traces, settings, score, tie_seeds), 1
+        else:
+            climb = HillClimbing(traces.table, settings, skeleton_search(settings), tie_rule(settings))
+            selection = climb.run(lambda done, total, name: progress("select", done, total, name))
+            document, scored = selection_document(selection, settings), selection.scored
+    seconds = {"cpu": time.process_time() - cpu, "wall": time.perf_counter() - wall}
+    _write(out, document)
+    _write(out.with_name("timings.json"), {**{k: round(v, 4) for k, v in seconds.items()}, "scored": scored})
+    if pddl is not None and score is None:
+        _write_pddl(pddl, traces, selection)
+    if json:
+        print_json(document | {"seconds": round(seconds["cpu"], 4)})
+    else:
+        err.print(f"{out} written, {seconds['cpu']:.2f} CPU seconds", markup=False)
+    return 0
+
+
+def _settings(file: Path, traces: Traces, options: dict[str, Any]) -> LearningSettings:
+    try:
+        return LearningSettings.model_validate({**traces.settings, **options})
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise TracesError(f"{file}: $.settings.{where}: {first['msg']}, found {first['input']!r}") from error
+
+
+def _score(traces: Traces, settings: LearningSettings, names: str, tie_seeds: int) -> dict[str, Any]:
+    """J of the named set, in the default engine and, if asked for, over tie seeds of the search to the letter."""
+    pool = {c.predicate.name: c.predicate for c in traces.table.pool}
+    chosen: list[Predicate] = []
+    for name in filter(None, (part.strip() for part in names.split(","))):
+        if name not in pool:
+            raise UnknownNameError("candidate", name, pool)
+        chosen.append(pool[name])
+    document: dict[str, Any] = {"scored": [p.name for p in chosen], "J": round(_j(traces, settings, chosen), 4)}
+    if tie_seeds:
+        seeds = [
+            settings.model_copy(update={"engine": "exact-tree", "tie_seed": settings.tie_seed + i})
+            for i in range(tie_seeds)
+        ]
+        js = sorted(_j(traces, seeded, chosen) for seeded in seeds)
+        document["J_over_tie_seeds"] = {
+            "seeds": tie_seeds, "minimum": round(js[0], 4), "median": round(median(js), 4), "maximum": round(js[-1], 4),
+        }  # fmt: skip
+    return document | {"settings": settings.model_dump(mode="json")}
+
+
+def _j(traces: Traces, settings: LearningSettings, chosen: Sequence[Predicate]) -> float:
+    climb = HillClimbing(traces.table, settings, skeleton_search(settings), tie_rule(settings))
+    try:
+        return climb.score(chosen).total
+    except ValueError as error:
+        raise TracesError(f"--score: {error}") from error
+
+
+def _write(path: Path, document: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.part")
+    temporary.write_text(json_module.dumps(document, indent=1) + "\n", encoding="utf-8")
+    temporary.replace(path)
+
+
+def _write_pddl(directory: Path, traces: Traces, selection: Selection) -> None:
+    directory.mkdir(parents=True, exist_ok=True)
+    model = WorldModel(traces.vocabulary, selection.selected, selection.operators, "traces")
+    (directory / "domain.pddl").write_text(write_domain(model), encoding="utf-8")
+    for demo in traces.table.demos:
+        initial = demo.restricted(model.predicates).abstract_states()[0]
+        text = write_problem(model, demo.name, demo.objects, initial, demo.goal)
+        (directory / f"{demo.name}.pddl").write_text(text, encoding="utf-8")
