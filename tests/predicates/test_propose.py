@@ -74,7 +74,9 @@ def test_an_unusable_answer_is_asked_again() -> None:
 
 
 def test_a_demonstration_without_atoms_is_no_error_unless_all_are() -> None:
-    one = propose([demo(name="a"), demo(name="b")], ScriptedVLM(["raw(p1)", "", ""]), ProposalSettings(attempts=2), jobs=1)
+    one = propose(
+        [demo(name="a"), demo(name="b")], ScriptedVLM(["raw(p1)", "", ""]), ProposalSettings(attempts=2), jobs=1
+    )
     assert [len(p.accepted) for p in one] == [1, 0]
     with pytest.raises(EmptyProposalError, match="scripted proposed no usable predicate for any of 2"):
         propose([demo(), demo()], ScriptedVLM(lambda request: "raw(x)"), DIVERSE)
