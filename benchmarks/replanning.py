@@ -50,8 +50,14 @@ CONDITIONS = (
 def noisy_reader(model: ReaderModel, types: dict[str, str], flip: float, seed: int) -> NoisyOracle:
     """The reader's own values, some of them flipped."""
 
+    scenes: dict[str, Scene] = {}
+
     def value(view: View, word: str, names: Sequence[str]) -> bool | None:
-        return model.value(word, names, [types[n] for n in names], Scene(view.picture))[0]
+        digest = view.picture.image.digest
+        if digest not in scenes:
+            scenes.clear()
+            scenes[digest] = Scene(view.picture)
+        return model.value(word, names, [types[n] for n in names], scenes[digest])[0]
 
     return NoisyOracle([], value, NoiseRates(flip=flip), seed)
 
