@@ -19,7 +19,7 @@ from pix2pred.structs.environment import Domain, Environment
 from pix2pred.vlm import VLM
 
 _DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
-_TRUTHS = {"burger": "pix2pred.domains.burger.truth:concept_value"}
+_TRUTHS = {"burger": "pix2pred.domains.burger.truth:value_now"}
 
 SEARCHES: dict[str, Callable[[], Search]] = {
     "astar-lmcut": AStar,
@@ -75,7 +75,7 @@ def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
     from pix2pred.vlm.reader_model import load_words
 
     uses = {(word.word, types): word for word, types in load_words(domain.reader).uses()}
-    value: Callable[[Any, str, Sequence[str]], bool] = _load(_TRUTHS[domain.name])
+    value: Callable[[Environment, str, Sequence[str]], bool] = _load(_TRUTHS[domain.name])
 
     def truth(atom: Atom) -> bool | None:
         source = atom.predicate.source
@@ -83,8 +83,7 @@ def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
         word = uses.get((phrase, tuple(o.type.name for o in atom.objects)))
         if word is None or word.concept is None:
             return None
-        world: Any = environment.world  # type: ignore[attr-defined]
-        return value(world, word.concept, [o.name for o in atom.objects]) != word.negated
+        return value(environment, word.concept, [o.name for o in atom.objects]) != word.negated
 
     return truth
 

@@ -128,6 +128,7 @@ class _Builder:
         self._doc = document
 
     def build(self) -> Traces:
+        """Everything in the document, names resolved."""
         types = self._at("$.types", build_types, self._doc.types)
         table = {t.name: t for t in types}
         skills = tuple(self._at(f"$.skills[{i}]", build_skill, s, table) for i, s in enumerate(self._doc.skills))

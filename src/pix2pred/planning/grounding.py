@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from pix2pred.planning.strips import Strips
-from pix2pred.structs import AbstractState, Atom, LiftedAtom, Object, Operator
+from pix2pred.structs import AbstractState, Atom, LiftedAtom, Object, Operator, Predicate
 
 Fact = tuple[int, ...]
 """Predicate number followed by object numbers."""
@@ -60,7 +60,7 @@ def ground(
 class _Schema:
     """An operator with predicates and parameters as numbers."""
 
-    def __init__(self, operator: Operator, predicate_ids: dict[object, int], allowed: list[frozenset[int]]) -> None:
+    def __init__(self, operator: Operator, predicate_ids: dict[Predicate, int], allowed: list[frozenset[int]]) -> None:
         self.operator = operator
         self.allowed = allowed
         position = {v: i for i, v in enumerate(operator.parameters)}
@@ -96,7 +96,7 @@ class _Grounder:
         self.objects = sorted(objects)
         self.distinct = distinct
         self.budget = budget
-        self.predicate_ids: dict[object, int] = {}
+        self.predicate_ids: dict[Predicate, int] = {}
         by_type: dict[object, frozenset[int]] = {}
         for operator in operators:
             for v in operator.parameters:
@@ -117,6 +117,7 @@ class _Grounder:
                 self.triggers[precondition[0]].append((s, i))
 
     def run(self, initial: AbstractState, goal: Iterable[Atom]) -> GroundTask:
+        """Work off the queue of new facts."""
         object_ids = {o: i for i, o in enumerate(self.objects)}
 
         def number(atom: Atom) -> Fact:
@@ -199,10 +200,7 @@ class _Grounder:
     def _task(self, initial: list[Fact], goal: list[Fact]) -> GroundTask:
         """Number facts and operators independently of the order in which they were found."""
         predicates = list(self.predicate_ids)
-        atoms = {
-            Atom(predicates[f[0]], tuple(self.objects[i] for i in f[1:])): f  # type: ignore[arg-type]
-            for f in self.facts
-        }
+        atoms = {Atom(predicates[f[0]], tuple(self.objects[i] for i in f[1:])): f for f in self.facts}
         ordered = sorted(atoms)
         bit = {atoms[a]: 1 << i for i, a in enumerate(ordered)}
         instances = sorted(self.instances)

@@ -95,6 +95,7 @@ class _DomainReader:
         self._distinct = True
 
     def read(self) -> PddlDomain:
+        """The domain, names resolved."""
         types = self._types()
         self._type_of = {t.name: t for t in types} | {"object": _root(types)}
         constants = tuple(

@@ -1,10 +1,11 @@
-"""Ground truth of visual words, for tests and benchmarks only: learning and execution never import it."""
+"""Ground truth of visual words, for tests, for training the reader, and for naming failures once they happened."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.vocabulary import STATION, TYPE_OF
 from pix2pred.domains.burger.world import Heading, World
 
@@ -126,3 +127,8 @@ def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
     if not fits:
         raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
     return CONCEPTS[concept].value(world, *names)
+
+
+def value_now(environment: BurgerEnvironment, concept: str, names: Sequence[str]) -> bool:
+    """The value of ``concept`` in the environment's present state."""
+    return concept_value(environment.world, concept, names)
