@@ -99,9 +99,7 @@ def sees(request: Request) -> str:
     lines = []
     for atom in asked_atoms(request.text):
         boxes = [view.boxes[name] for name in atom.names if name in view.boxes]
-        bright = atom.word == "lit" and all(
-            pixels[int(b.center[1]), int(b.center[0]), 0] > 128 for b in boxes
-        )
+        bright = atom.word == "lit" and all(pixels[int(b.center[1]), int(b.center[0]), 0] > 128 for b in boxes)
         lines.append(f"* {atom}: {bright}. As seen.")
     return "\n".join(lines)
 

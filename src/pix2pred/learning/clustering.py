@@ -53,7 +53,8 @@ class TransitionClass:
         """In how many members each atom of ``predicate`` over the variables holds before the skill."""
         if predicate not in self.lifted_before:
             counts: dict[tuple[int, ...], int] = defaultdict(int)
-            for member in self.members:
+            fits = all(any(t.is_a(wanted) for t in self.types) for wanted in data.predicates[predicate].types)
+            for member in self.members if fits else ():
                 number = {o: i for i, o in enumerate(member.objects)}
                 for args in data.before(member.transition, predicate):
                     if all(o in number for o in args):
