@@ -24,7 +24,7 @@ from pix2pred.predicates import (
     lift,
     propose,
 )
-from pix2pred.structs import Demo, Vocabulary, WorldModel
+from pix2pred.structs import Demo, PictureError, Vocabulary, WorldModel
 from pix2pred.vlm import VLM
 
 
@@ -63,8 +63,13 @@ def learn(
 ) -> Learned:
     """Learn a world model from demonstrations (method 2-6).
 
-    Raises ``EmptyProposalError`` when the model proposes nothing usable, ``VLMError`` when it cannot be asked.
+    Raises ``EmptyProposalError`` when the model proposes nothing usable, ``UnusableAnswersError`` when it labels
+    nothing, ``VLMError`` when it cannot be asked, and ``PictureError`` for a state without readable pictures.
     """
+    for demo in demos:
+        for t, state in enumerate(demo.states):
+            if not state.pictures:
+                raise PictureError(f"demonstration {demo.name}: state {t} has no picture to ask about")
     jobs = settings.concurrent_queries
     proposals = propose(
         demos,

@@ -42,12 +42,19 @@ class RunFolder:
             self.path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise RunFolderError(f"{self.path}: cannot be used as a run folder ({error.strerror})") from error
-        with (self.path / ".lock").open("w") as lock:
+        path = self.path / ".lock"
+        is_new = not path.exists()
+        with path.open("w") as lock:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
                 raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
-            yield self
+            try:
+                yield self
+            except RunFolderError:
+                if is_new:
+                    path.unlink(missing_ok=True)  # refused: leave the folder as it was
+                raise
 
     def claim(self, config: Mapping[str, Any]) -> None:
         """Record ``config``, or check that the folder was made with the same one and can be resumed."""
@@ -59,7 +66,7 @@ class RunFolder:
                 raise RunFolderError(f"{self.path}: is not a run folder and not empty ({sorted(foreign)[0]} is in it)")
             self.write("config.yaml", text)
             return
-        found = yaml.safe_load(path.read_text(encoding="utf-8"))
+        found = self.config()
         if found != yaml.safe_load(text):
             keys = sorted(k for k in {*found, *config} if found.get(k) != dict(config).get(k))
             raise RunFolderError(
@@ -75,6 +82,8 @@ class RunFolder:
         try:
             temporary.write_text(text, encoding="utf-8")
             temporary.replace(path)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(path)) from error
         finally:
             temporary.unlink(missing_ok=True)
         return path
@@ -83,20 +92,15 @@ class RunFolder:
         """Write a JSON file."""
         return self.write(name, json.dumps(data, indent=1) + "\n")
 
-    def read_json(self, name: str) -> Any:
-        """A JSON file's content, or ``None`` when there is no such file. Raises ``RunFolderError`` if damaged."""
-        path = self.path / name
-        try:
-            return json.loads(path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            return None
-        except ValueError as error:
-            raise RunFolderError(f"{path}: is damaged ({error}); delete it to make it again") from error
-
     def config(self) -> dict[str, Any]:
         """What the run was made with. Raises ``RunFolderError`` when the folder holds no run."""
         path = self.path / "config.yaml"
         if not path.is_file():
             raise RunFolderError(f"{self.path}: holds no run (no config.yaml); make one with 'pix2pred learn'")
-        config: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+        try:
+            config = yaml.safe_load(path.read_text(encoding="utf-8"))
+        except (ValueError, yaml.YAMLError) as error:
+            raise RunFolderError(f"{path}: is damaged ({' '.join(str(error).split())[:200]})") from error
+        if not isinstance(config, dict):
+            raise RunFolderError(f"{path}: is damaged (not a mapping); delete the folder to start over")
         return config

@@ -12,7 +12,7 @@ from pix2pred.execution import Solver, TruthOf
 from pix2pred.learning import dump_traces, selection_document
 from pix2pred.pipeline import Learned, Progress, Settings, learn
 from pix2pred.planning.pddl_write import write_domain
-from pix2pred.predicates import Proposal
+from pix2pred.predicates import READ, EmptyProposalError, Proposal, goal_warnings
 from pix2pred.run_folder import RunFolder
 from pix2pred.structs import UNKNOWN, Demo, Episode, Failure, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask
@@ -38,7 +38,11 @@ def learn_into(
         started.setdefault(stage, time.perf_counter())
         progress(stage, done, total, text)
 
-    learned = learn(vocabulary, demos, vlm, settings, timed)
+    try:
+        learned = learn(vocabulary, demos, vlm, settings, timed)
+    except EmptyProposalError as error:
+        run.write_json("proposals.json", [_proposal_doc(p) for p in error.proposals])
+        raise
     seconds = time.perf_counter() - start
     table, selection = learned.labelling.table, learned.selection
     run.write_json("proposals.json", [_proposal_doc(p) for p in learned.proposals])
@@ -55,7 +59,8 @@ def learn_into(
         "candidates": len(table.candidates()),
         "labels": sum(d.values.size for d in table.demos),
         "unknown_labels": table.count(UNKNOWN),
-        "label_problems": dict(sorted((k, v) for k, v in learned.labelling.counts.items() if v)),
+        "label_problems": dict(sorted((k, v) for k, v in learned.labelling.counts.items() if v and k != READ)),
+        "warnings": goal_warnings(table.demos),
         "selected": [p.name for p in selection.selected],
         "operators": len(selection.operators),
         "J": [round(step.j, 4) for step in selection.steps],

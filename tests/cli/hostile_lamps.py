@@ -1,4 +1,4 @@
-"""A project of two lamps, learned in a blink, and a model whose answers a test decides. Also a program: see ``main``."""
+"""A project of two lamps, learned in a blink, and a model whose answers a test decides; also a program (``main``)."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ skills:
 - {name: Press, types: [robot, lamp]}
 predicates:
 - {name: Done, types: [lamp], source: human}
+learning: {max_plans: 2}
 """
 DEMO = """\
 format: pix2pred-demo
@@ -40,13 +41,13 @@ actions:
 - Press(robby, l1)
 - Press(robby, l2)
 states:
-- features: {l1: [0], l2: [1]}
+- features: {l1: [0], l2: [0]}
   given: []
   pictures: {main: {l1: [0, 0, 20, 20], l2: [20, 0, 40, 20], robby: [0, 20, 40, 30]}}
-- features: {l1: [0], l2: [1]}
+- features: {l1: [0], l2: [0]}
   given: ["Done(l1)"]
   pictures: {main: {l1: [0, 0, 20, 20], l2: [20, 0, 40, 20], robby: [0, 20, 40, 30]}}
-- features: {l1: [0], l2: [1]}
+- features: {l1: [0], l2: [0]}
   given: ["Done(l1)", "Done(l2)"]
   pictures: {main: {l1: [0, 0, 20, 20], l2: [20, 0, 40, 20], robby: [0, 20, 40, 30]}}
 """
@@ -59,15 +60,15 @@ objects:
   l2: {type: lamp}
 goal: ["Done(l1)", "Done(l2)"]
 state:
-  features: {l1: [0], l2: [1]}
+  features: {l1: [0], l2: [0]}
   given: []
   pictures: {main: {l1: [0, 0, 20, 20], l2: [20, 0, 40, 20], robby: [0, 20, 40, 30]}}
 """
 
 
-def png(lit: int = 0, width: int = 40, height: int = 30) -> bytes:
+def png(lit: int = 0, width: int = 40, height: int = 30, shade: int = 40) -> bytes:
     """A picture whose first ``lit`` lamps are bright."""
-    pixels = np.full((height, width, 3), 40, np.uint8)
+    pixels = np.full((height, width, 3), shade, np.uint8)
     pixels[:20, : 20 * lit] = 220
     buffer = io.BytesIO()
     PIL.Image.fromarray(pixels).save(buffer, "PNG")
@@ -82,7 +83,7 @@ def write_lamps(root: Path, demos: int = 2) -> Path:
         folder = root / "demos" / f"d{d}"
         for t in range(3):
             (folder / "images" / str(t)).mkdir(parents=True)
-            (folder / "images" / str(t) / "main.png").write_bytes(png(t))
+            (folder / "images" / str(t) / "main.png").write_bytes(png(t, shade=40 + d))
         (folder / "demo.yaml").write_text(DEMO)
     (root / "tasks/t0/images/0").mkdir(parents=True)
     (root / "tasks/t0/images/0/main.png").write_bytes(png(0))

@@ -151,7 +151,7 @@ DEMO_PROBLEMS = [
     ("[a, b, robby]", "[a, b, roby]", 3, "did you mean 'robby'?"),
     ("[a, b, robby]", "[a, b, robby, a]", 3, "listed twice"),
     ("[a, b, robby]", "everything", 3, "expected a list"),
-    ("[a, b, robby]", "{a: {type: cup}, b: {type: cup, descriptor: a}, robby: {type: robot}}", 3, "same descriptor"),
+    ("[a, b, robby]", "{a: {type: cup}, b: {type: cup, descriptor: a}, robby: {type: robot}}", 3, "both called"),
     ("[a, b, robby]", "{a: {type: cup}, b: {typ: cup}, robby: {type: robot}}", 3, "'type' is missing"),
     ('["On(a, b)"]', "[]", 4, "needs a goal"),
     ('["On(a, b)"]', '["Onn(a, b)"]', 4, "predicate 'Onn' is not declared; did you mean 'On'?"),

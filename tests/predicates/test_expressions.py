@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pix2pred.predicates.expressions import (
+from pix2pred.structs import Object, State, Type
+from pix2pred.structs.expressions import (
     AtMost,
     Expression,
     ExpressionError,
@@ -16,7 +17,6 @@ from pix2pred.predicates.expressions import (
     evaluate,
     parse_expression,
 )
-from pix2pred.structs import Object, State, Type
 
 CUP, BOX = Type("cup", ("x", "z")), Type("box", ("z",))
 A, B, C = Object("a", CUP), Object("b", CUP), Object("c", BOX)

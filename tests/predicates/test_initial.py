@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from pix2pred.predicates.expressions import ExpressionError
 from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.structs import (
     Action,
@@ -18,6 +17,7 @@ from pix2pred.structs import (
     State,
     Type,
 )
+from pix2pred.structs.expressions import ExpressionError
 from predicates.scripted import BLUE_CUP, COOKED, CUP, HOLDING, ITEM, P1, P2, PICK, ROBOT, R
 
 PICK_P1, PICK_P2 = Action(PICK, (R, P1)), Action(PICK, (R, P2))

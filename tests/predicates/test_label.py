@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from pix2pred.predicates import Labeller, LabelSettings, StateLabels, ground_atoms
+from pix2pred.predicates import READ, Labeller, LabelSettings, StateLabels, ground_atoms
 from pix2pred.structs import FALSE, TRUE, UNKNOWN, Demo
 from pix2pred.vlm import Request
 from predicates.scripted import COOKED, OBJECTS, P1, P2, UNDER, Script, ScriptedVLM, demo
@@ -143,8 +143,10 @@ def test_unusable_answers_are_asked_again_and_counted() -> None:
     assert [r.attempt for r in vlm.asked] == [0, 1, 0, 1, 2, 0]
     assert values(labels) == [[TRUE, FALSE]] * 3
     assert [s.counts for s in labels] == [
-        {"unusable answers": 1, "missing": 3}, {"unasked": 1, "unusable answers": 3, "missing": 4}, {"missing": 3}
-    ]  # fmt: skip
+        {READ: 1, "unusable answers": 1, "missing": 3},
+        {"unasked": 1, "unusable answers": 3, "missing": 4},
+        {READ: 1, "missing": 3},
+    ]
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 100])

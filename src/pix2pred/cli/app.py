@@ -19,12 +19,12 @@ from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
 from pix2pred.learning import TracesError
-from pix2pred.predicates import EmptyProposalError
-from pix2pred.predicates.expressions import ExpressionError
+from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolderError
 from pix2pred.structs import PictureError
 from pix2pred.structs.documents import UnknownNameError
+from pix2pred.structs.expressions import ExpressionError
 from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
 
@@ -38,6 +38,7 @@ BAD_INPUT = (
     RunFolderError,
     TracesError,
     UnknownNameError,
+    UnusableAnswersError,
     VLMError,
 )
 """Errors that users can cause and put right; their messages say how."""
@@ -45,6 +46,7 @@ BAD_INPUT = (
 app = App(
     name="pix2pred",
     version=__version__,
+    suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
 for _verb in (demo, generate, check, learn, solve, select, plan_pddl):

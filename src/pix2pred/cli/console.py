@@ -7,12 +7,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from cyclopts import validators
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from pix2pred.structs import Operator
+
+NOT_NEGATIVE = validators.Number(gte=0)
+POSITIVE = validators.Number(gte=1)
 
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
@@ -71,6 +75,8 @@ def print_learned(metrics: Mapping[str, Any], operators: Sequence[Operator]) -> 
     table.add_row("J", " > ".join(f"{j:,.0f}" for j in metrics["J"]))
     table.add_row("operators", str(metrics["operators"]))
     out.print(table)
+    for warning in metrics["warnings"]:
+        out.print(f"  [yellow]warning:[/yellow] {escape(warning)}")
     for op in operators:
         out.print(f"  {op.name:<5} {op.skill.name}({', '.join(v.type.name for v in op.skill_args)})", style="dim")
 

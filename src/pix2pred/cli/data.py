@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import bars, err, out, print_json
+from pix2pred.cli.console import NOT_NEGATIVE, bars, err, out, print_json
 from pix2pred.demos import check_project, write_project
 from pix2pred.registry import check_family, load_domain
 
@@ -17,8 +17,8 @@ def generate(
     /,
     *,
     family: str = "more-stacks",
-    seed: Annotated[int, Parameter(help="Varies counts and positions.")] = 0,
-    tasks: Annotated[int, Parameter(help="Number of unseen test tasks to add.")] = 10,
+    seed: Annotated[int, Parameter(help="Varies counts and positions.", validator=NOT_NEGATIVE)] = 0,
+    tasks: Annotated[int, Parameter(help="Number of unseen test tasks to add.", validator=NOT_NEGATIVE)] = 10,
     out: Annotated[Path, Parameter(name="--out", help="Folder to write.")],
     overwrite: Annotated[bool, Parameter(help="Replace a project that is already there.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
@@ -47,7 +47,7 @@ def generate(
     if json:
         print_json({"folder": str(out), "demonstrations": len(demos), "tasks": len(unseen)})
     else:
-        err.print(f"{len(demos)} demonstrations and {len(unseen)} tasks in {out}")
+        err.print(f"{len(demos)} demonstrations and {len(unseen)} tasks in {out}", markup=False)
     return 0
 
 

@@ -7,11 +7,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import err, out, print_json, print_solved
+from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, err, out, print_json, print_solved
 from pix2pred.cli.data import generate
 from pix2pred.cli.learn import resolve_settings, run_learning
 from pix2pred.cli.solve import load_solver, run_solving
 from pix2pred.demos import read_project, read_tasks
+from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolder
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.vlm import StoreMode
@@ -20,8 +21,8 @@ from pix2pred.vlm import StoreMode
 def demo(
     *,
     family: Annotated[str, Parameter(help="more-stacks, bigger or combo.")] = "more-stacks",
-    seed: int = 0,
-    count: Annotated[int, Parameter(help="Unseen tasks to solve.")] = 10,
+    seed: Annotated[int, Parameter(validator=NOT_NEGATIVE)] = 0,
+    count: Annotated[int, Parameter(help="Unseen tasks to solve.", validator=POSITIVE)] = 10,
     out_dir: Annotated[Path, Parameter(name="--out", help="Folder for data and run.")] = Path("runs/demo"),
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
@@ -39,11 +40,13 @@ def demo(
     with RunFolder(run).locked() as folder:
         solver, _ = load_solver(folder, "portfolio")
         stored = read_tasks(data, solver.model.vocabulary)[:count]
+        if len(stored) < count:
+            raise RegistryError(f"{data}: holds {len(stored)} tasks; for {count} choose another --out or delete it")
         tasks = [SimulatedTask(s.task, s.simulator or {}) for s in stored]
         summary = run_solving(folder, f"burger-{family}-seed{seed}", tasks, solver, "burger")
     if json:
         print_json({"run": str(run), "learn": metrics, "solve": summary})
     else:
         print_solved(summary)
-        out.print(f"run folder: {run}")
+        out.print(f"run folder: {run}", markup=False)
     return 0 if summary["solved"] == summary["tasks"] else 1

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from pydantic import ValidationError
 
 from pix2pred.cli.console import bars, err, print_json, print_learned
-from pix2pred.demos import Project, read_project
+from pix2pred.demos import Project, project_digest, read_project
 from pix2pred.pipeline import Settings
 from pix2pred.registry import RegistryError, load_vlm
 from pix2pred.run_folder import RunFolder
@@ -35,13 +35,15 @@ def learn(
 
     Example: pix2pred learn data/stacks --vlm offline --out runs/stacks
     """
+    if any(out.resolve().is_relative_to((data / part).resolve()) for part in ("demos", "tasks")):
+        raise RegistryError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
     project = read_project(data)
     settings = resolve_settings(project, config)
     metrics = run_learning(project, settings, vlm, out, answers, mode, quiet=json)
     if json:
         print_json(metrics)
     else:
-        err.print(f"run folder: {out}")
+        err.print(f"run folder: {out}", markup=False)
     return 0
 
 
@@ -52,9 +54,11 @@ def run_learning(
     domain = (project.simulator or {}).get("domain")
     model = load_vlm(vlm, domain)
     store = AnswerStore(answers or out)
+    store.check()
     with RunFolder(out).locked() as run:
         run.claim(
             {
+                "data": project_digest(project),
                 "vlm": vlm,
                 "model": model.name,
                 "simulator": dict(project.simulator or {}),
@@ -74,7 +78,10 @@ def resolve_settings(project: Project, config: Path | None) -> Settings:
     """Defaults, overridden by the project's ``learning`` section, overridden by ``config``."""
     given: dict[str, Any] = {"learning": dict(project.learning)}
     if config is not None:
-        loaded = yaml.safe_load(config.read_text(encoding="utf-8")) or {}
+        try:
+            loaded = yaml.safe_load(config.read_text(encoding="utf-8")) or {}
+        except (ValueError, yaml.YAMLError) as error:
+            raise RegistryError(f"{config}: cannot be read as YAML ({' '.join(str(error).split())[:200]})") from error
         if not isinstance(loaded, dict):
             raise RegistryError(f"{config}: expected settings such as 'learning: {{j_threshold: 100}}'")
         for section, values in loaded.items():

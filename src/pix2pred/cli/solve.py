@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
+from pydantic import ValidationError
 
-from pix2pred.cli.console import bars, out, print_json, print_solved
+from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, out, print_json, print_solved
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.pipeline import Settings
 from pix2pred.predicates import Labeller
 from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_vlm, word_truth
-from pix2pred.run_folder import RunFolder
+from pix2pred.run_folder import RunFolder, RunFolderError
 from pix2pred.runs import MODEL, solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
@@ -29,8 +30,8 @@ def solve(
     tasks: Annotated[Path | None, Parameter(help="Project folder whose tasks to solve, instead of new ones.")] = None,
     domain: Annotated[str | None, Parameter(help="Domain of new tasks [default: the run's].")] = None,
     family: Annotated[str | None, Parameter(help="Family of new tasks [default: the run's].")] = None,
-    seed: int = 0,
-    count: int = 10,
+    seed: Annotated[int, Parameter(validator=NOT_NEGATIVE)] = 0,
+    count: Annotated[int, Parameter(help="Number of new tasks.", validator=POSITIVE)] = 10,
     planner: Annotated[str, Parameter(help="portfolio, astar-lmcut or gbfs-ff.")] = "portfolio",
     closed_loop: Annotated[bool, Parameter(help="Look after every skill and plan again when needed.")] = False,
     disturb: Annotated[float, Parameter(help="Probability that the scene is disturbed after a skill.")] = 0.0,
@@ -43,6 +44,7 @@ def solve(
     """
     if not 0 <= disturb <= 1:
         raise RegistryError(f"--disturb {disturb}: a probability lies between 0 and 1")
+    RunFolder(run).config()
     with RunFolder(run).locked() as folder:
         solver, config = load_solver(folder, planner, closed_loop=closed_loop)
         domain = domain or config["simulator"].get("domain")
@@ -50,9 +52,11 @@ def solve(
         chosen, name = _tasks(tasks, solver, domain, family, seed, count, plan_only=plan_only)
         if plan_only:
             return _plan(folder, name, chosen, solver, as_json=json)
+        if domain is None:
+            raise RegistryError(f"{run}: no simulator is known for these tasks; name one with --domain, or --plan-only")
         if closed_loop or disturb:
             name += ("-closed-loop" if closed_loop else "") + (f"-disturb-{disturb:g}" if disturb else "")
-        summary = run_solving(folder, name, chosen, solver, str(domain), disturb)
+        summary = run_solving(folder, name, chosen, solver, domain, disturb)
     if json:
         print_json(summary)
     else:
@@ -63,13 +67,20 @@ def solve(
 def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -> tuple[Solver, dict[str, Any]]:
     """A solver with the model, labeller and answer store of a run, and the run's configuration."""
     config = folder.config()
+    if not (folder.path / MODEL).exists():
+        raise RunFolderError(
+            f"{folder.path / MODEL}: there is no world model yet; finish learning with 'pix2pred learn' first"
+        )
     model = load_model(folder.path / MODEL)
-    settings = Settings.model_validate(config["settings"])
-    vlm = load_vlm(config["vlm"], config["simulator"].get("domain"))
+    try:
+        settings = Settings.model_validate(config["settings"])
+        vlm = load_vlm(config["vlm"], config["simulator"].get("domain"))
+        answers = Path(config["answers"]) if config["answers"] else folder.path
+    except (KeyError, TypeError, AttributeError, ValidationError) as error:
+        raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
     if vlm.name != config["model"]:
         raise RegistryError(f"the run was labelled by {config['model']}, but --vlm {config['vlm']} is now {vlm.name}")
-    store = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
-    labeller = Labeller(StoredVLM(vlm, store, StoreMode.RESUME), settings.labels)
+    labeller = Labeller(StoredVLM(vlm, AnswerStore(answers), StoreMode.RESUME), settings.labels)
     return Solver(model, load_planner(planner), labeller, closed_loop), config
 
 
@@ -80,9 +91,14 @@ def run_solving(
     made = load_domain(domain)
 
     def environment_for(task: SimulatedTask) -> tuple[Environment, TruthOf | None]:
-        environment = made.environment(task.task, task.simulator, disturb)
+        try:
+            environment = made.environment(task.task, task.simulator, disturb)
+        except ValueError as error:
+            raise RegistryError(f"task {task.task.name}: simulator.json: {error}; --plan-only needs none") from error
         return environment, None if disturb else word_truth(made, environment)
 
+    for task in tasks:
+        environment_for(task)  # before anything is asked or executed
     with bars() as progress:
         solved = solve_into(
             folder, name, tasks, solver, environment_for, lambda done, total, text: progress("solve", done, total, text)
@@ -128,5 +144,5 @@ def _plan(folder: RunFolder, name: str, tasks: Sequence[SimulatedTask], solver: 
         print_json({"plans": plans})
     else:
         for entry in plans:
-            out.print(f"{entry['task']}: {entry['status']}, {len(entry['plan'])} skills")
+            out.print(f"{entry['task']}: {entry['status']}, {len(entry['plan'])} skills", markup=False)
     return 0 if all(entry["status"] == PlanStatus.SOLVED for entry in plans) else 1

@@ -14,6 +14,9 @@ def check_goal(sheet: Sheet, goal: Sequence[Atom], states: Sequence[State]) -> N
     Only atoms of the sources domain and human can be judged here: the file lists all that are true. The values of
     the others are found later.
     """
+    for i, atom in enumerate(goal):
+        if len(set(atom.objects)) < len(atom.objects):
+            sheet.report(("goal", i), f"goal atom {atom} names one object twice; arguments stand for distinct objects")
     listed = [isinstance(atom.predicate.source, FromDomain | FromHuman) for atom in goal]
     for i, atom in enumerate(goal):
         if listed[i] and atom not in states[-1].given:

@@ -41,10 +41,16 @@ class Scene:
                 self._list_object(("objects", i), name)
         descriptors: dict[str, str] = {}
         for name, item in self._objects.items():
-            spoken = item.descriptor.strip().replace(" ", "_")
+            spoken = item.prompt_name.lower()
             if spoken in descriptors:
-                message = f"objects {descriptors[spoken]!r} and {name!r} have the same descriptor {item.descriptor!r}"
-                self._sheet.report(("objects", name), f"{message}; tell them apart")
+                both = f"{descriptors[spoken]!r} and {name!r}"
+                message = f"objects {both} are both called {item.prompt_name!r} in prompts"
+                self._sheet.report(("objects", name), f"{message}; give them descriptors that tell them apart")
+            elif item.prompt_name != name and item.prompt_name in self._objects:
+                message = (
+                    f"object {name!r} is called {item.prompt_name!r} in prompts, which is the name of another object"
+                )
+                self._sheet.report(("objects", name), f"{message}; change its descriptor")
             descriptors[spoken] = name
         return tuple(self._objects.values())
 

@@ -2,7 +2,7 @@
 
 from pix2pred.predicates.abstraction import Abstraction
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
-from pix2pred.predicates.label import Labeller, LabelSettings, StateLabels
+from pix2pred.predicates.label import READ, Labeller, LabelSettings, StateLabels, UnusableAnswersError
 from pix2pred.predicates.propose import (
     EmptyProposalError,
     Proposal,
@@ -12,9 +12,10 @@ from pix2pred.predicates.propose import (
     lift,
     propose,
 )
-from pix2pred.predicates.table import Labelling, ground_atoms, label_demos
+from pix2pred.predicates.table import Labelling, goal_warnings, ground_atoms, label_demos
 
 __all__ = [
+    "READ",
     "Abstraction",
     "EmptyProposalError",
     "GrammarSettings",
@@ -26,7 +27,9 @@ __all__ = [
     "ProposedAtom",
     "Rejection",
     "StateLabels",
+    "UnusableAnswersError",
     "feature_predicates",
+    "goal_warnings",
     "ground_atoms",
     "label_demos",
     "lift",

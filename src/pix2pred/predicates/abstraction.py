@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pix2pred.predicates.initial import is_asked, local_values
-from pix2pred.predicates.label import Labeller, StateLabels
+from pix2pred.predicates.label import READ, Labeller, StateLabels, UnusableAnswersError
 from pix2pred.predicates.table import ground_atoms
 from pix2pred.structs import TRUE, AbstractState, Action, Atom, Object, Predicate, State
 
@@ -33,6 +33,8 @@ class Abstraction:
         self._states, self._actions = [state], []
         if self._asked:
             self._labels = self._labeller.first(state, self._objects, self._asked)
+            if not self._labels.counts[READ]:
+                raise UnusableAnswersError.after(self._labeller.vlm.name, [self._labels])
         return self._held()
 
     def advance(self, action: Action, state: State) -> AbstractState:

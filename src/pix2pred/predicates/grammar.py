@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from pix2pred.predicates.expressions import AtMost, Expression, ForAll, Not, arguments, evaluate
 from pix2pred.structs import Candidate, Demo, FromFeatures, Predicate, State, Type, groundings
+from pix2pred.structs.expressions import AtMost, Expression, ForAll, Not, arguments, evaluate
 
 
 class GrammarSettings(BaseModel):

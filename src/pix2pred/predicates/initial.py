@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pix2pred.predicates.expressions import evaluate, parse_expression
 from pix2pred.structs import (
     FALSE,
     TRUE,
@@ -18,6 +17,7 @@ from pix2pred.structs import (
     SkillTrigger,
     State,
 )
+from pix2pred.structs.expressions import evaluate, parse_expression
 
 
 def is_asked(atom: Atom) -> bool:

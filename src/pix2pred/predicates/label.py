@@ -16,6 +16,9 @@ from pix2pred.structs import FALSE, Action, Atom, Demo, Object, State
 from pix2pred.structs.views import View
 from pix2pred.vlm import VLM, Request
 
+READ = "answers read"
+"""Key of the count of answers that gave at least one value."""
+
 TOKENS_PER_ATOM = 64
 TOKENS_OF_REASONING = 1024
 
@@ -39,11 +42,26 @@ class LabelSettings(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class StateLabels:
-    """Values of the queried atoms in one state and the answer text they were read from."""
+    """Values of the queried atoms in one state and the answer text they were read from.
+
+    ``unusable`` is the last answer when it held no value; ``text`` then lists the values carried over.
+    """
 
     values: dict[Atom, int]
     text: str
     counts: Counter[str] = field(default_factory=Counter)
+    unusable: str = ""
+
+
+class UnusableAnswersError(RuntimeError):
+    """A model whose answers hold no label at all: taking them for False would invent a world."""
+
+    @classmethod
+    def after(cls, model: str, labels: Sequence[StateLabels]) -> UnusableAnswersError:
+        """The error for ``labels``, with their number and the first answer."""
+        answers = [" ".join(s.unusable.split()) for s in labels if s.counts["unusable answers"]]
+        example = f"; the first answer begins {answers[0][:120]!r}" if answers and answers[0] else "; they are empty"
+        return cls(f"{model} gave unusable answers about {len(answers)} states, without a single label{example}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,13 +170,13 @@ class Labeller:
             parsed = parse_labels(answer, queried)
             counts["other words"] += parsed.other_words
             counts["unasked"] += parsed.unasked
+            counts[READ if parsed.values else "unusable answers"] += 1
             if parsed.values:
                 break
-            counts["unusable answers"] += 1
         counts["missing"] += len(parsed.missing)
         values = {a: parsed.values.get(text, carried.get(a, FALSE)) for a, text in texts.items()}
         usable = answer if parsed.values else value_lines({texts[a]: value for a, value in values.items()})
-        return StateLabels(values, usable, counts)
+        return StateLabels(values, usable, counts, "" if parsed.values else answer)
 
 
 def _merged(parts: Sequence[StateLabels]) -> StateLabels:
@@ -167,4 +185,4 @@ def _merged(parts: Sequence[StateLabels]) -> StateLabels:
     for part in parts:
         values |= part.values
         counts += part.counts
-    return StateLabels(values, "\n\n".join(p.text for p in parts), counts)
+    return StateLabels(values, "\n\n".join(p.text for p in parts), counts, "".join(p.unusable for p in parts))

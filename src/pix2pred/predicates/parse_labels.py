@@ -14,7 +14,7 @@ _VALUE = re.compile(r"[ \t]*[:=][ \t]*([A-Za-z]+)")
 _THIRD_SECTION = re.compile(
     r"^[ \t#>\-]*(?:section[ \t]*)?3[.):](?![ \t]*[A-Za-z_]\w*\()", re.IGNORECASE | re.MULTILINE
 )
-_BEFORE_FIRST_ATOM = re.compile(r"[ \t>#+\-\d.)]*\Z")
+_LINE_START = re.compile(r"\n[ \t>#+\-\d.)]*\Z")
 _WORDS = {"true": TRUE, "false": FALSE, "unknown": UNKNOWN}
 
 
@@ -74,8 +74,8 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
 def _statements(text: str) -> Iterator[_Statement]:
     for mention in mentions(text):
         if word := _VALUE.match(text, mention.end):
-            line = text[text.rfind("\n", 0, mention.start) + 1 : mention.start] if mention.start else ""
-            leads = len(line) < 20 and _BEFORE_FIRST_ATOM.match(line) is not None
+            near = "\n" + text[: mention.start] if mention.start < 20 else text[mention.start - 20 : mention.start]
+            leads = _LINE_START.search(near) is not None
             yield _Statement(str(mention), word[1], mention.start, leads)
 
 

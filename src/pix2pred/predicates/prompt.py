@@ -24,31 +24,26 @@ def _template(name: str) -> Template:
     return Template(body)
 
 
-def shown_name(thing: Object) -> str:
-    """What a prompt calls an object: its descriptor with underscores for spaces (method 1.1)."""
-    return "_".join((thing.descriptor or thing.name).replace("-", "_").split())
-
-
 def object_lines(objects: Iterable[Object]) -> str:
     """One line per object: name and type."""
-    return "\n".join(f"- {shown_name(o)} ({o.type.name})" for o in sorted(objects, key=shown_name))
+    return "\n".join(f"- {o.prompt_name} ({o.type.name})" for o in sorted(objects, key=lambda o: o.prompt_name))
 
 
 def action_text(action: Action) -> str:
     """``Skill[obj:type, obj:type]``."""
-    return f"{action.skill.name}[{', '.join(f'{shown_name(o)}:{o.type.name}' for o in action.objects)}]"
+    return f"{action.skill.name}[{', '.join(f'{o.prompt_name}:{o.type.name}' for o in action.objects)}]"
 
 
 def atom_text(atom: Atom) -> str:
     """``phrase(obj1, obj2)``: queries use the base name, without the number that makes names unique."""
     source = atom.predicate.source
     phrase = source.phrase if isinstance(source, FromVLM) else atom.predicate.name
-    return f"{phrase}({', '.join(shown_name(o) for o in atom.objects)})"
+    return f"{phrase}({', '.join(o.prompt_name for o in atom.objects)})"
 
 
 def views(state: State, t: int, objects: Iterable[Object], *, marks: bool, label: str = "") -> tuple[View, ...]:
     """All cameras of a state, with headings such as ``state 3, camera main``."""
-    names = {o.name: shown_name(o) for o in objects}
+    names = {o.name: o.prompt_name for o in objects}
     prefix = f"{label}: " if label else ""
     return tuple(
         View(_renamed(picture, names), t, marks=marks, heading=f"{prefix}state {t}, camera {picture.camera}")

@@ -11,7 +11,7 @@ from joblib import Parallel, delayed
 from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.predicates.parse_atoms import clean, mentions
-from pix2pred.predicates.prompt import action_text, fill, object_lines, shown_name, views
+from pix2pred.predicates.prompt import action_text, fill, object_lines, views
 from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
 from pix2pred.vlm import VLM, Request
 
@@ -57,7 +57,11 @@ class Proposal:
 
 
 class EmptyProposalError(RuntimeError):
-    """No demonstration gave a single usable atom."""
+    """No demonstration gave a single usable atom; ``proposals`` tell what was rejected and why."""
+
+    def __init__(self, message: str, proposals: tuple[Proposal, ...]) -> None:
+        super().__init__(message)
+        self.proposals = proposals
 
 
 Progress = Callable[[int, int, str], None]
@@ -81,7 +85,8 @@ def propose(
     if not any(p.accepted for p in proposals):
         raise EmptyProposalError(
             f"{vlm.name} proposed no usable predicate for any of {len(demos)} demonstrations; "
-            "see the rejected atoms in the run folder"
+            "see the rejected atoms in the run folder (proposals.json)",
+            tuple(proposals),
         )
     return tuple(proposals)
 
@@ -111,7 +116,7 @@ def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0) -
 
 def read_proposal(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
     """Parse an answer and filter it as section 2.3 says, keeping the reason for everything left out."""
-    known = {shown_name(o): o for o in demo.objects} | {o.name: o for o in demo.objects}
+    known = {o.name: o for o in demo.objects} | {o.prompt_name: o for o in demo.objects}
     accepted: dict[ProposedAtom, None] = {}
     rejected: dict[Rejection, None] = {}
     for mention in mentions(clean(answer)):

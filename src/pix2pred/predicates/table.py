@@ -10,7 +10,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from pix2pred.predicates.initial import is_asked, local_values
-from pix2pred.predicates.label import Labeller, StateLabels
+from pix2pred.predicates.label import READ, Labeller, StateLabels, UnusableAnswersError
 from pix2pred.structs import (
     Atom,
     Candidate,
@@ -56,6 +56,8 @@ def label_demos(
         answers.append(texts)
         progress(len(labelled), len(demos), demo.name)
     counts = sum((s.counts for texts in answers for s in texts), Counter[str]())
+    if counts["unusable answers"] and not counts[READ]:
+        raise UnusableAnswersError.after(labeller.vlm.name, [s for texts in answers for s in texts])
     return Labelling(TruthTable(tuple(initial), tuple(pool), tuple(labelled)), tuple(answers), counts)
 
 
@@ -72,6 +74,20 @@ def _label_demo(
         else:
             values[:, i] = local_values(atom, demo.states, demo.actions)
     return LabelledDemo(demo.name, demo.objects, demo.actions, demo.goal, atoms, values), answers
+
+
+def goal_warnings(demos: Iterable[LabelledDemo]) -> list[str]:
+    """Demonstrations whose labels say that the goal does not hold at the end, or held before (method 1.4)."""
+    warnings = []
+    for demo in demos:
+        states = demo.abstract_states()
+        missing = sorted(set(demo.goal) - states[-1])
+        early = next((t for t, state in enumerate(states[:-1]) if state.issuperset(demo.goal)), None)
+        if missing:
+            warnings.append(f"{demo.name}: goal atom {missing[0]} does not hold in the last state")
+        elif early is not None:
+            warnings.append(f"{demo.name}: the goal holds already in state {early}")
+    return warnings
 
 
 def ground_atoms(predicates: Iterable[Predicate], objects: Sequence[Object]) -> tuple[Atom, ...]:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from pix2pred.structs.demos import Vocabulary
+from pix2pred.structs.expressions import check_expression, parse_expression
 from pix2pred.structs.objects import Object, Type, Variable
 from pix2pred.structs.operators import Operator
 from pix2pred.structs.predicates import (
@@ -228,7 +230,7 @@ def build_skill(doc: SkillDoc, types: Mapping[str, Type]) -> Skill:
 
 def build_predicate(doc: PredicateDoc, types: Mapping[str, Type]) -> Predicate:
     """The predicate described by ``doc``."""
-    return Predicate(doc.name, tuple(_look_up("type", t, types) for t in doc.types), _build_source(doc))
+    return Predicate(doc.name, tuple(_look_up("type", t, types) for t in doc.types), _build_source(doc, types))
 
 
 def check_triggers(predicate: Predicate, skills: Iterable[Skill]) -> None:
@@ -248,17 +250,23 @@ def check_triggers(predicate: Predicate, skills: Iterable[Skill]) -> None:
                 raise ValueError(f"predicate {predicate}: argument {position} of skill {skill} is not a {wanted}")
 
 
-def _build_source(doc: PredicateDoc) -> Source:
+def _build_source(doc: PredicateDoc, types: Mapping[str, Type]) -> Source:
     match doc.source:
         case "domain":
             return FromDomain()
         case "human":
             return FromHuman()
         case "vlm":
-            return FromVLM(doc.phrase or doc.name)
+            phrase = doc.phrase or doc.name
+            if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", phrase):
+                raise ValueError(
+                    f"predicate {doc.name}: the phrase {phrase!r} must be one word of letters, digits and _"
+                )
+            return FromVLM(phrase)
         case "features":
             if doc.expression is None:
                 raise ValueError(f"predicate {doc.name}: source features needs an expression")
+            check_expression(doc.name, parse_expression(doc.expression), doc.types, types)
             return FromFeatures(doc.expression)
         case "skills":
             return FromSkills(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
+
+_UNSPEAKABLE = re.compile(r"[^A-Za-z0-9]+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +41,11 @@ class Object:
     name: str
     type: Type
     descriptor: str = ""
+
+    @property
+    def prompt_name(self) -> str:
+        """What prompts call it: the descriptor, or else the name, as one word of letters, digits and ``_``."""
+        return _UNSPEAKABLE.sub("_", self.descriptor).strip("_") or self.name.replace("-", "_")
 
     def __lt__(self, other: Object) -> bool:
         return (self.name, self.type.name, self.descriptor) < (other.name, other.type.name, other.descriptor)

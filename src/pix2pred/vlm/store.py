@@ -37,6 +37,11 @@ class AnswerStore:
     def __init__(self, directory: Path) -> None:
         self.directory = directory
 
+    def check(self) -> None:
+        """Raise ``VLMError`` when the folder cannot be one."""
+        if self.directory.exists() and not self.directory.is_dir():
+            raise VLMError(f"{self.directory}: is a file, not a folder of answers")
+
     def get(self, key: str) -> str | None:
         """The stored answer text. Raises ``VLMError`` for a damaged file."""
         path = self._path(key)
@@ -77,6 +82,8 @@ def _write(path: Path, content: bytes) -> None:
     try:
         temporary.write_bytes(content)
         temporary.replace(path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -98,7 +105,7 @@ class StoredVLM:
         if self._mode == StoreMode.REPLAY:
             raise ReplayMissError(
                 f"the store {self._store.directory} has no answer to a {request.purpose} query of {self.name} "
-                f"(key {key[:12]}); run once with --answers resume to ask the model"
+                f"(key {key[:12]}); run once with --mode resume to ask the model"
             )
         answer = self._model.answer(request)
         self._store.put(request, self.name, answer.text)

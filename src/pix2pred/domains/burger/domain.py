@@ -73,7 +73,7 @@ class BurgerDomain:
 
         Raises ``ValueError`` when the simulator state does not belong to the task.
         """
-        if "family" not in simulator or "world" not in simulator:
+        if not isinstance(simulator.get("family"), str) or not isinstance(simulator.get("world"), Mapping):
             raise ValueError("not a burger simulator state: it needs 'family' and 'world'")
         family = self._family(simulator["family"])
         world = World.from_dict(simulator["world"])

@@ -6,10 +6,11 @@ The text is an s-expression: ``(<= robot.fingers 0.5)``, ``(not E)``, ``(forall 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pix2pred.structs import Object, State, Type
+from pix2pred.structs.objects import Object, Type
+from pix2pred.structs.states import State
 
 
 class ExpressionError(ValueError):
@@ -82,6 +83,21 @@ def arguments(expression: Expression, types: Mapping[str, Type]) -> tuple[Type, 
             if type_name not in types:
                 raise ExpressionError(f"type {type_name!r} of {expression} is not declared")
             return (types[type_name],)
+
+
+def check_expression(name: str, expression: Expression, given: Sequence[str], types: Mapping[str, Type]) -> None:
+    """Raise ``ExpressionError`` unless ``expression`` computes a predicate over arguments of types ``given``."""
+    wanted = [t.name for t in arguments(expression, types)]
+    if wanted != list(given):
+        raise ExpressionError(f"predicate {name}: {expression} takes ({', '.join(wanted)}), not ({', '.join(given)})")
+    leaf = _leaf(expression)
+    holders = [t for t in types.values() if t.is_a(types[leaf.type_name])] if leaf.type_name in types else []
+    if not any(leaf.feature in t.features for t in holders):
+        raise ExpressionError(f"predicate {name}: no {leaf.type_name} has a feature {leaf.feature!r}")
+
+
+def _leaf(expression: Expression) -> AtMost:
+    return expression if isinstance(expression, AtMost) else _leaf(expression.inner)
 
 
 def _type_name(expression: Expression) -> str:

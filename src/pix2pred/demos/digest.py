@@ -1,0 +1,40 @@
+"""What makes two projects the same data: everything learning reads, however it is stored."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+from pix2pred.demos.read import Project
+from pix2pred.structs import Demo, State
+from pix2pred.structs.documents import vocabulary_doc
+
+
+def project_digest(project: Project) -> str:
+    """SHA-256 over vocabulary, demonstrations and decoded pixels; file names, compression and layout do not count.
+
+    Raises ``PictureError`` for pictures that cannot be read.
+    """
+    content = {"vocabulary": vocabulary_doc(project.vocabulary), "demos": [_demo(d) for d in project.demos]}
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _demo(demo: Demo) -> dict[str, object]:
+    return {
+        "name": demo.name,
+        "objects": [[o.name, o.type.name, o.descriptor] for o in sorted(demo.objects)],
+        "goal": sorted(map(str, demo.goal)),
+        "actions": [str(a) for a in demo.actions],
+        "states": [_state(s) for s in demo.states],
+    }
+
+
+def _state(state: State) -> dict[str, object]:
+    return {
+        "given": sorted(map(str, state.given)),
+        "features": {o.name: list(map(float, values)) for o, values in sorted(state.features.items())},
+        "pictures": [
+            [p.camera, p.image.digest, {n: [b.left, b.top, b.right, b.bottom] for n, b in sorted(p.boxes.items())}]
+            for p in state.pictures
+        ],
+    }
