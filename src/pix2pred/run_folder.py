@@ -17,12 +17,26 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import yaml
+
+_TEMPORARY = re.compile(r"^\..+\.(\d+)(?:\.\d+)?$")
+"""``.name.PID`` or ``.name.PID.THREAD``: a file being written."""
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
 
 
 class RunFolderError(ValueError):
@@ -49,12 +63,19 @@ class RunFolder:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
                 raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
+            self._sweep()
             try:
                 yield self
             except RunFolderError:
                 if is_new:
                     path.unlink(missing_ok=True)  # refused: leave the folder as it was
                 raise
+
+    def _sweep(self) -> None:
+        """Remove what processes that were killed had begun to write."""
+        for path in self.path.rglob(".*"):
+            if (match := _TEMPORARY.search(path.name)) and not _is_running(int(match[1])):
+                path.unlink(missing_ok=True)
 
     def claim(self, config: Mapping[str, Any]) -> None:
         """Record ``config``, or check that the folder was made with the same one and can be resumed."""
