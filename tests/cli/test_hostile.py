@@ -861,7 +861,7 @@ def test_an_interrupted_run_says_that_it_can_be_resumed(interrupted: Ran) -> Non
 
 
 def test_two_processes_on_one_run_folder(data: Path, tmp_path: Path) -> None:
-    first = start(0.3, "learn", data, "--out", tmp_path / "run")
+    first = start(1.5, "learn", data, "--out", tmp_path / "run")
     _wait_for(tmp_path / "run", "config.yaml")
     second = finish(start(0, "learn", data, "--out", tmp_path / "run"))
     refused(second, "another process", tmp_path / "run")
