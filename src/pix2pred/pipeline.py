@@ -71,6 +71,7 @@ def learn(
             if not state.pictures:
                 raise PictureError(f"demonstration {demo.name}: state {t} has no picture to ask about")
     jobs = settings.concurrent_queries
+    progress("propose", 0, len(demos), "")
     proposals = propose(
         demos,
         vlm,
@@ -80,6 +81,7 @@ def learn(
     )
     visual = lift(proposals, taken=[p.name for p in vocabulary.initial])
     features = feature_predicates(demos, vocabulary.types, settings.grammar)
+    progress("label", 0, len(demos), "")
     labelling = label_demos(
         demos,
         vocabulary.initial,
@@ -88,6 +90,7 @@ def learn(
         jobs=jobs,
         progress=lambda done, total, name: progress("label", done, total, name),
     )
+    progress("select", 0, len(labelling.table.candidates()), "")
     climb = HillClimbing(
         labelling.table, settings.learning, skeleton_search(settings.learning), tie_rule(settings.learning)
     )

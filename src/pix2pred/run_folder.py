@@ -16,8 +16,6 @@ from __future__ import annotations
 
 import fcntl
 import json
-import os
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,18 +23,7 @@ from typing import Any
 
 import yaml
 
-_TEMPORARY = re.compile(r"^\..+\.(\d+)(?:\.\d+)?$")
-"""``.name.PID`` or ``.name.PID.THREAD``: a file being written."""
-
-
-def _is_running(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True
-    return True
+from pix2pred.structs.files import remove_abandoned, write_whole
 
 
 class RunFolderError(ValueError):
@@ -63,7 +50,6 @@ class RunFolder:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
                 raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
-            self._sweep()
             try:
                 yield self
             except RunFolderError:
@@ -71,23 +57,20 @@ class RunFolder:
                     path.unlink(missing_ok=True)  # refused: leave the folder as it was
                 raise
 
-    def _sweep(self) -> None:
-        """Remove what processes that were killed had begun to write."""
-        for path in self.path.rglob(".*"):
-            if (match := _TEMPORARY.search(path.name)) and not _is_running(int(match[1])):
-                path.unlink(missing_ok=True)
-
     def claim(self, config: Mapping[str, Any]) -> None:
         """Record ``config``, or check that the folder was made with the same one and can be resumed."""
         text = yaml.safe_dump(dict(config), sort_keys=True, allow_unicode=True)
         path = self.path / "config.yaml"
         if not path.exists():
-            foreign = [p.name for p in self.path.iterdir() if p.name != ".lock" and not p.name.startswith(".config")]
+            foreign = [
+                p.name for p in self.path.iterdir() if p.name != ".lock" and not p.name.startswith(".config.yaml.")
+            ]
             if foreign:
                 raise RunFolderError(f"{self.path}: is not a run folder and not empty ({sorted(foreign)[0]} is in it)")
             self.write("config.yaml", text)
             return
         found = self.config()
+        remove_abandoned(self.path)
         if found != yaml.safe_load(text):
             keys = sorted(k for k in {*found, *config} if found.get(k) != dict(config).get(k))
             raise RunFolderError(
@@ -98,15 +81,7 @@ class RunFolder:
     def write(self, name: str, text: str) -> Path:
         """Write a text file, which appears complete or not at all."""
         path = self.path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{path.name}.{os.getpid()}")
-        try:
-            temporary.write_text(text, encoding="utf-8")
-            temporary.replace(path)
-        except OSError as error:
-            raise OSError(error.errno, error.strerror, str(path)) from error
-        finally:
-            temporary.unlink(missing_ok=True)
+        write_whole(path, text.encode())
         return path
 
     def write_json(self, name: str, data: Any) -> Path:

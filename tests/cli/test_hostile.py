@@ -89,7 +89,8 @@ def add_predicate(data: Path, line: str) -> None:
 
 def said(ran: Ran) -> str:
     """The message without progress bars, on one line."""
-    return " ".join(line.strip() for line in ran.err.splitlines() if "━" not in line).strip()
+    bar = re.compile(r"━|\d+/\d+ +\d+:\d\d:\d\d")
+    return " ".join(line.strip() for line in ran.err.splitlines() if not bar.search(line)).strip()
 
 
 def tree(folder: Path) -> dict[str, bytes]:

@@ -15,6 +15,7 @@ from pix2pred.planning.pddl_read import PddlDomain, read_domain, read_problem
 from pix2pred.planning.pddl_syntax import PddlError
 from pix2pred.registry import RegistryError, load_planner
 from pix2pred.structs import PlanStatus
+from pix2pred.structs.files import write_whole
 
 T = TypeVar("T")
 
@@ -40,8 +41,7 @@ def plan_pddl(
     if found.status == PlanStatus.SOLVED:
         assert is_valid(found.plan, task.initial, task.goal), "the planner returned a plan that does not work"
         if out is not None:
-            out.parent.mkdir(parents=True, exist_ok=True)
-            out.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+            write_whole(out, "".join(f"{line}\n" for line in lines).encode())
     if json:
         print_json({"status": found.status, "plan": lines, "nodes": found.nodes, "seconds": round(found.seconds, 4)})
     else:

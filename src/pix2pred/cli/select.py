@@ -27,6 +27,7 @@ from pix2pred.learning import (
 from pix2pred.planning.pddl_write import write_domain, write_problem
 from pix2pred.structs import Predicate, WorldModel
 from pix2pred.structs.documents import UnknownNameError
+from pix2pred.structs.files import write_whole
 
 
 def select(
@@ -52,6 +53,10 @@ def select(
 
     Example: pix2pred select labels.json.gz --out selection.json --pddl pddl
     """
+    if out.name == "timings.json" or (out.parent / "config.yaml").exists():
+        raise TracesError(f"--out {out}: timings.json beside it would overwrite other results; choose another place")
+    if (score is None and tie_seeds) or (score is not None and pddl is not None):
+        raise TracesError("--tie-seeds goes with --score, and --pddl goes without it")
     traces = load_traces(file)
     options = {
         "engine": engine, "h_pre_frac": h_pre_frac, "h_data_frac": h_data_frac, "j_threshold": j_threshold,
@@ -85,7 +90,8 @@ def _settings(file: Path, traces: Traces, options: dict[str, Any]) -> LearningSe
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
-        raise TracesError(f"{file}: $.settings.{where}: {first['msg']}, found {first['input']!r}") from error
+        place = f"--{where.replace('_', '-')}" if where in options else f"{file}: $.settings.{where}"
+        raise TracesError(f"{place}: {first['msg']}, found {first['input']!r}") from error
 
 
 def _score(traces: Traces, settings: LearningSettings, names: str, tie_seeds: int) -> dict[str, Any]:
@@ -95,7 +101,8 @@ def _score(traces: Traces, settings: LearningSettings, names: str, tie_seeds: in
     for name in filter(None, (part.strip() for part in names.split(","))):
         if name not in pool:
             raise UnknownNameError("candidate", name, pool)
-        chosen.append(pool[name])
+        if pool[name] not in chosen:
+            chosen.append(pool[name])
     document: dict[str, Any] = {"scored": [p.name for p in chosen], "J": round(_j(traces, settings, chosen), 4)}
     if tie_seeds:
         seeds = [
@@ -118,17 +125,13 @@ def _j(traces: Traces, settings: LearningSettings, chosen: Sequence[Predicate]) 
 
 
 def _write(path: Path, document: dict[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.part")
-    temporary.write_text(json_module.dumps(document, indent=1) + "\n", encoding="utf-8")
-    temporary.replace(path)
+    write_whole(path, (json_module.dumps(document, indent=1) + "\n").encode())
 
 
 def _write_pddl(directory: Path, traces: Traces, selection: Selection) -> None:
-    directory.mkdir(parents=True, exist_ok=True)
     model = WorldModel(traces.vocabulary, selection.selected, selection.operators, "traces")
-    (directory / "domain.pddl").write_text(write_domain(model), encoding="utf-8")
+    write_whole(directory / "domain.pddl", write_domain(model).encode())
     for demo in traces.table.demos:
         initial = demo.restricted(model.predicates).abstract_states()[0]
         text = write_problem(model, demo.name, demo.objects, initial, demo.goal)
-        (directory / f"{demo.name}.pddl").write_text(text, encoding="utf-8")
+        write_whole(directory / f"{demo.name}.pddl", text.encode())

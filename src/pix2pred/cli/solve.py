@@ -76,10 +76,11 @@ def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -
         settings = Settings.model_validate(config["settings"])
         vlm = load_vlm(config["vlm"], config["simulator"].get("domain"))
         answers = Path(config["answers"]) if config["answers"] else folder.path
+        labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
         raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
-    if vlm.name != config["model"]:
-        raise RegistryError(f"the run was labelled by {config['model']}, but --vlm {config['vlm']} is now {vlm.name}")
+    if vlm.name != labelled_by:
+        raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {config['vlm']!r} is now {vlm.name}")
     labeller = Labeller(StoredVLM(vlm, AnswerStore(answers), StoreMode.RESUME), settings.labels)
     return Solver(model, load_planner(planner), labeller, closed_loop), config
 

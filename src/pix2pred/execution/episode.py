@@ -30,6 +30,8 @@ def actions_of(plan: Sequence[GroundOperator]) -> list[Action]:
 def open_loop(plan: Sequence[GroundOperator], environment: Environment) -> Outcome:
     """Run the plan's skills one after the other, without looking, until the true goal holds or a skill fails."""
     steps: list[ExecutedStep] = []
+    if environment.goal_reached():
+        return Outcome(True, None, "", ())
     for operator, action in zip(plan, actions_of(plan), strict=True):
         step = environment.execute(action)
         steps.append(ExecutedStep(str(action), str(operator), step.status, step.detail))
@@ -63,6 +65,8 @@ class ClosedLoop:
         def failed(how: StepStatus | None, why: str) -> Outcome:
             return Outcome(False, how, why, tuple(steps), replans)
 
+        if environment.goal_reached():
+            return Outcome(True, None, "", ())
         while True:
             if not needed[position] <= seen:
                 if replans >= self.max_replans:

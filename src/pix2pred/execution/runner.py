@@ -8,7 +8,7 @@ from pix2pred.execution.diagnosis import TruthOf, correct_labels, wrong_labels
 from pix2pred.execution.episode import ClosedLoop, Outcome, actions_of, open_loop
 from pix2pred.planning import Planner
 from pix2pred.predicates import Abstraction, Labeller
-from pix2pred.structs import AbstractState, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
+from pix2pred.structs import AbstractState, Atom, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
 from pix2pred.structs.environment import Environment, StepStatus
 
 
@@ -28,12 +28,14 @@ class Solver:
 
     def plan(self, task: Task) -> tuple[AbstractState, PlanResult]:
         """What is seen of the initial state, and the plan made from it. Needs no simulator."""
+        task = self._in_our_words(task)
         seen = self._abstraction(task).start(task.initial)
         return seen, self._plan_from(task, seen)
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None = None) -> Episode:
         """Plan and execute. ``truth`` knows the true values of visual atoms; it serves only to name a failure."""
         environment.reset()
+        task = self._in_our_words(task)
         abstraction = self._abstraction(task)
         seen = abstraction.start(task.initial)
         result = self._plan_from(task, seen)
@@ -59,6 +61,12 @@ class Solver:
             outcome.replans if outcome else 0,
         )
 
+    def _in_our_words(self, task: Task) -> Task:
+        """``task`` with its goal over the model's predicates: a simulator knows their names, not their sources."""
+        known = {p.name: p for p in self.model.predicates}
+        goal = tuple(Atom(known.get(a.predicate.name, a.predicate), a.objects) for a in task.goal)
+        return Task(task.name, task.objects, task.initial, goal)
+
     def _abstraction(self, task: Task) -> Abstraction:
         return Abstraction(task.objects, self.model.predicates, self.labeller)
 
@@ -79,7 +87,7 @@ class Solver:
     ) -> tuple[Failure, str, tuple[str, ...]]:
         """The cause of a failure: labels if true labels would have helped, else the model, as far as can be told."""
         if result.status == PlanStatus.BUDGET:
-            return Failure.BUDGET, f"no plan within the budget ({result.nodes} nodes)", ()
+            return Failure.BUDGET, f"no plan of at most {self.max_skills} skills within the budget of nodes", ()
         detail = outcome.detail if outcome else "the goal cannot be reached with the learned operators"
         if outcome and outcome.failure == StepStatus.HORIZON:
             return Failure.HORIZON, detail, ()
@@ -90,6 +98,8 @@ class Solver:
             return cause, detail, ()
         named = tuple(f"{atom} is {value}" for atom, value in sorted(errors.items()))
         better = self._plan_from(task, correct_labels(seen, errors)) if errors else result
+        if better.status == PlanStatus.BUDGET:
+            return Failure.UNDETERMINED, detail, named
         helps = better.status == PlanStatus.SOLVED and open_loop(better.plan, environment).goal_reached
         if errors and helps:
             return Failure.WRONG_LABEL, detail, named

@@ -4,8 +4,9 @@ A* with uniformly random ties works through plateaus: all nodes with one value o
 its tie-break value comes up, at a time t in [0, 1], but not before its parent. A node with ``e`` plateau nodes on
 its path, itself included, is therefore popped by time t with probability t^e. From the number of goal nodes and of
 created nodes per ``e`` follow the expected numbers of nodes created when skeletons are found: the goal's own ancestors
-have been expanded for certain, all other nodes with the probability above. Ancestors that different nodes share are
-counted as if they were not shared, the one approximation made here.
+have been expanded for certain, all other nodes with the probability above. Two approximations are made:
+ancestors that different nodes share are counted as if they were not shared, and skeletons after a plateau's first are
+spaced evenly over the rest of it (their weight in J_d is 1e-5 or less).
 """
 
 from __future__ import annotations

@@ -123,14 +123,15 @@ class HillClimbing:
         self._evaluations = self._scored = 1
         self._budget_hits = score.budget_hits
         steps = [Step(None, score.total, score.demos, ())]
-        previous = float("inf")
-        while not self._stop(previous, current.score.total):
+        while not self._stop(current.score.total):
             scored = self._expand(current, progress)
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
                 break
             best = self._ties.choose(data, self._settings, better)
-            previous, current = current.score.total, best
+            if self._insufficient(current.score.total - best.score.total):
+                break
+            current = best
             others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
             runners_up = tuple(RunnerUp(data.predicates[s.predicate], s.score.total, s.score.exact) for s in others)
             steps.append(Step(data.predicates[best.predicate], best.score.total, best.score.demos, runners_up))
@@ -145,10 +146,12 @@ class HillClimbing:
         classes = partition(self._data, (*range(self._data.initial), *numbers))
         return self._objective.score(numbers, classes)
 
-    def _stop(self, previous: float, current: float) -> bool:
-        if self._settings.early_stop == "level":
-            return current <= self._settings.j_threshold
-        return previous - current <= self._settings.j_threshold
+    def _stop(self, current: float) -> bool:
+        return self._settings.early_stop == "level" and current <= self._settings.j_threshold
+
+    def _insufficient(self, improvement: float) -> bool:
+        """Under the improvement rule the last candidate, which buys too little, is not added (method 14.2)."""
+        return self._settings.early_stop == "improvement" and improvement <= self._settings.j_threshold
 
     def _distinct_columns(self) -> dict[int, list[int]]:
         """The cheapest candidate (first by name) of every distinct truth column, with the others that share it."""

@@ -63,7 +63,7 @@ class TracePredicateDoc(PredicateDoc):
 class TraceDemoDoc(Document):
     """One demonstration; atoms and actions are lists of a name and object names."""
 
-    name: str | None = None
+    name: Name | None = None
     objects: dict[str, Name]
     goal: tuple[tuple[str, ...], ...]
     actions: tuple[tuple[str, ...], ...]
@@ -146,6 +146,9 @@ class _Builder:
             if doc.kind == "candidate"
         )
         demos = tuple(self._demo(d, doc, initial) for d, doc in enumerate(self._doc.demos))
+        self._refuse_repeats("demos", [demo.name for demo in demos])
+        if any(demo.name == "domain" for demo in demos):
+            raise TracesError(f"{self._path}: $.demos: no demonstration may be called 'domain', as PDDL domains are")
         if not demos:
             raise TracesError(f"{self._path}: $.demos: is empty; at least one demonstration is needed")
         vocabulary = Vocabulary("traces", types, skills, initial)

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import permutations
 from typing import TypeVar
 
 from pix2pred.planning.pddl_syntax import Group, PddlError, Word, as_group, as_word, parse, typed_list
@@ -83,7 +84,12 @@ def read_problem(text: str, domain: PddlDomain) -> PddlProblem:
     initial = frozenset(atom(node) for node in _rest(sections.get("init")) if not _is_cost(node))
     if "goal" not in sections:
         raise PddlError(1, "the problem has no :goal")
-    goal = tuple(atom(node) for node in _conjuncts(_rest(sections["goal"])[0]))
+    wanted = _rest(sections["goal"])
+    if len(wanted) != 1:
+        raise PddlError(sections["goal"].line, ":goal takes one condition")
+    goal = tuple(atom(node) for node in _conjuncts(wanted[0]))
+    if any(a.predicate == UNEQUAL for op in domain.operators for a in op.preconditions):
+        initial |= {Atom(UNEQUAL, pair) for pair in permutations(sorted(things.values()), 2)}
     return PddlProblem(as_word(sections["problem"].items[1]).text, tuple(sorted(things.values())), initial, goal)
 
 
@@ -92,7 +98,7 @@ class _DomainReader:
         self._sections = _sections(text, "domain")
         self._table = _original_names(text)
         self._skills = {m[0]: (int(m[1]), m[2].split()) for m in _SKILL.findall(text)}
-        self._distinct = True
+        self._unequal: list[tuple[set[frozenset[str]], bool]] = []
 
     def read(self) -> PddlDomain:
         """The domain, names resolved."""
@@ -107,8 +113,11 @@ class _DomainReader:
         self._predicates = {p.name: p for p in predicates}
         actions = [section for section in self._sections["domain"].items[2:] if as_group(section).head == ":action"]
         operators = tuple(self._operator(as_group(a)) for a in actions)
+        distinct = all(complete for _, complete in self._unequal)
+        if not distinct:
+            operators = tuple(_with_inequalities(op, u) for op, (u, _) in zip(operators, self._unequal, strict=True))
         name = self._original("domain", as_word(as_group(self._sections["domain"].items[1]).items[1]).text)
-        return PddlDomain(name, types, constants, tuple(sorted(predicates)), operators, self._distinct)
+        return PddlDomain(name, types, constants, tuple(sorted(predicates)), operators, distinct)
 
     def _original(self, kind: str, form: str) -> str:
         return self._table.get((kind, form), form)
@@ -137,18 +146,23 @@ class _DomainReader:
         return _look_up(self._type_of, self._table, "type", word)
 
     def _predicate(self, group: Group) -> Predicate:
-        name = self._original("predicate", as_word(group.items[0]).text)
+        name = self._original("predicate", as_word(group.items[0] if group.items else group).text)
         return Predicate(name, tuple(self._type(t) for _, t in typed_list(group.items[1:])), FromDomain())
 
     def _operator(self, group: Group) -> Operator:
-        form = as_word(group.items[1]).text
+        form = _second(group).text
         parts = {as_word(key).text: value for key, value in zip(group.items[2::2], group.items[3::2], strict=False)}
         parameters = typed_list(as_group(parts[":parameters"]).items) if ":parameters" in parts else ()
         variables = {w.text: Variable(w.text, self._type(t)) for w, t in parameters}
         pre, unequal = self._conditions(parts.get(":precondition"), variables)
         add, delete = self._effects(parts.get(":effect"), variables)
-        self._distinct &= unequal >= _overlapping(list(variables.values()))
+        self._unequal.append((unequal, unequal >= _overlapping(list(variables.values()))))
         support, skill = self._skills.get(form, (0, [form, *variables]))
+        unknown = [v for v in skill[1:] if v not in variables]
+        if unknown:
+            raise PddlError(
+                group.line, f"action {form}: its ;@ skill comment names {unknown[0]}, which is no parameter"
+            )
         args = tuple(variables[v] for v in skill[1:])
         name = self._original("action", form)
         behind = Skill(skill[0], tuple(v.type for v in args))
@@ -160,7 +174,7 @@ class _DomainReader:
         atoms, unequal = set(), set()
         for part in _conjuncts(node):
             if part.head == "not":
-                inner = as_group(part.items[1])
+                inner = _negated(part)
                 if inner.head != "=":
                     raise PddlError(part.line, "negative preconditions other than (not (= ?a ?b)) are not supported")
                 unequal.add(frozenset(as_word(i).text for i in inner.items[1:]))
@@ -174,7 +188,7 @@ class _DomainReader:
         add, delete = set(), set()
         for part in _conjuncts(node):
             if part.head == "not":
-                delete.add(self._lifted(as_group(part.items[1]), variables))
+                delete.add(self._lifted(_negated(part), variables))
             elif part.head != "increase":
                 add.add(self._lifted(part, variables))
         return frozenset(add), frozenset(delete)
@@ -191,6 +205,28 @@ class _DomainReader:
         args = tuple(variables[w.text] for w in words)
         _check_arguments(group, predicate, [v.type for v in args])
         return LiftedAtom(predicate, args)
+
+
+UNEQUAL = Predicate("=/=", (Type("object"), Type("object")), FromDomain())
+"""Stands for ``(not (= ?a ?b))`` where only some pairs of parameters exclude each other; problems get its atoms."""
+
+
+def _with_inequalities(operator: Operator, pairs: set[frozenset[str]]) -> Operator:
+    by_name = {v.name: v for v in operator.parameters}
+    atoms = {LiftedAtom(UNEQUAL, tuple(by_name[n] for n in sorted(pair))) for pair in pairs if len(pair) == 2}
+    return replace(operator, preconditions=operator.preconditions | atoms)
+
+
+def _negated(group: Group) -> Group:
+    if len(group.items) != 2:
+        raise PddlError(group.line, "(not ...) takes one condition")
+    return as_group(group.items[1])
+
+
+def _second(group: Group) -> Word:
+    if len(group.items) < 2:
+        raise PddlError(group.line, f"{group.head} needs a name")
+    return as_word(group.items[1])
 
 
 def _overlapping(variables: Sequence[Variable]) -> set[frozenset[str]]:

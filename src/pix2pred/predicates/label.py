@@ -125,7 +125,8 @@ class Labeller:
             if double_check:
                 values = value_lines({atom_text(a): previous.values[a] for a in batch if a in previous.values})
                 check = fill("double_check", question=question, answer=labels.text, values=values, atoms=listed)
-                checked = self._ask("double-check", (check, *pictures), batch, labels.values)
+                first = labels.values if self.settings.missing == "carry_previous" else {}
+                checked = self._ask("double-check", (check, *pictures), batch, first)
                 labels = StateLabels(checked.values, checked.text, labels.counts + checked.counts)
             parts.append(labels)
         return _merged(parts)

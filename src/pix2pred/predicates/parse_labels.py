@@ -11,9 +11,8 @@ from pix2pred.predicates.parse_atoms import clean, mentions
 from pix2pred.structs import FALSE, TRUE, UNKNOWN
 
 _VALUE = re.compile(r"[ \t]*[:=][ \t]*([A-Za-z]+)")
-_THIRD_SECTION = re.compile(
-    r"^[ \t#>\-]*(?:section[ \t]*)?3[.):](?![ \t]*[A-Za-z_]\w*\()", re.IGNORECASE | re.MULTILINE
-)
+_ATOM_AHEAD = r"(?![ \t]*[A-Za-z_][\w\-]*[ \t]*\([^()]*\)[ \t]*[:=])"
+_THIRD_SECTION = re.compile(rf"^[ \t#>\-]*(?:section[ \t]*)?3[.):]{_ATOM_AHEAD}", re.IGNORECASE | re.MULTILINE)
 _LINE_START = re.compile(r"\n[ \t>#+\-\d.)]*\Z")
 _WORDS = {"true": TRUE, "false": FALSE, "unknown": UNKNOWN}
 

@@ -7,12 +7,11 @@ by copying. Files are written under another name and renamed, so a file that exi
 from __future__ import annotations
 
 import json
-import os
-import threading
 from enum import StrEnum
 from pathlib import Path
 
 from pix2pred.structs import Image
+from pix2pred.structs.files import write_whole
 from pix2pred.structs.views import View
 from pix2pred.vlm.request import VLM, Answer, Request, VLMError
 
@@ -65,27 +64,15 @@ class AnswerStore:
             "request": request.canonical(model),
             "answer": answer,
         }
-        _write(self._path(request.key(model)), json.dumps(entry, indent=1).encode())
+        write_whole(self._path(request.key(model)), json.dumps(entry, indent=1).encode())
 
     def _put_picture(self, view: View) -> None:
         path = self.directory / "blobs" / f"{view.picture.image.digest}.png"
         if not path.exists():
-            _write(path, Image.from_pixels(view.picture.image.pixels()).encoded)  # no metadata, always PNG
+            write_whole(path, Image.from_pixels(view.picture.image.pixels()).encoded)  # no metadata, always PNG
 
     def _path(self, key: str) -> Path:
         return self.directory / "answers" / key[:2] / f"{key}.json"
-
-
-def _write(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}")
-    try:
-        temporary.write_bytes(content)
-        temporary.replace(path)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 class StoredVLM:
