@@ -168,10 +168,12 @@ def test_two_processes_cannot_work_in_one_run_folder(cli: Cli, project: Path, ru
 
 
 def test_a_folder_that_is_no_run_is_left_alone(cli: Cli, project: Path, tmp_path: Path) -> None:
-    (tmp_path / "precious.txt").write_text("keep me")
+    names = [".backup.20240131", ".note.1.2.part", ".zcompdump-host-5.3999999", "precious.txt"]
+    for name in names:
+        (tmp_path / name).write_text("keep me")
     ran = cli("learn", project, "--out", tmp_path)
-    assert ran.code == 2 and "precious.txt" in ran.err
-    assert sorted(p.name for p in tmp_path.iterdir() if not p.name.startswith(".")) == ["precious.txt"]
+    assert ran.code == 2 and "not a run folder" in ran.err
+    assert sorted(p.name for p in tmp_path.iterdir()) == names
 
 
 def test_settings_are_saved_resolved(learned: Path) -> None:

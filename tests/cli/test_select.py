@@ -118,3 +118,37 @@ def test_an_unsolvable_problem_exits_with_1(cli: Cli, tmp_path: Path) -> None:
     problem.write_text(text.replace("(clear grill)", ""))
     ran = cli("plan-pddl", DATA / "pddl" / "more-stacks-burger-domain.pddl", problem, "--json")
     assert ran.code == 1 and ran.json["status"] == "unsolvable"
+
+
+def test_inequalities_of_one_action_bind_that_action_only(cli: Cli, tmp_path: Path) -> None:
+    """``swap`` excludes equal parameters, ``join`` does not: its one object may fill both."""
+    (tmp_path / "domain.pddl").write_text(
+        "(define (domain d) (:predicates (p ?a) (q ?a) (r))"
+        " (:action swap :parameters (?a ?b) :precondition (and (p ?a) (p ?b) (not (= ?a ?b))) :effect (r))"
+        " (:action join :parameters (?a ?b) :precondition (and (p ?a) (p ?b)) :effect (q ?a)))"
+    )
+
+    def status(objects: str, goal: str) -> str:
+        init = " ".join(f"(p {o})" for o in objects.split())
+        text = f"(define (problem x) (:domain d) (:objects {objects}) (:init {init}) (:goal {goal}))"
+        (tmp_path / "problem.pddl").write_text(text)
+        return str(cli("plan-pddl", tmp_path / "domain.pddl", tmp_path / "problem.pddl", "--json").json["status"])
+
+    assert status("a", "(r)") == "unsolvable"
+    assert status("a b", "(r)") == "solved"
+    assert status("a", "(q a)") == "solved"
+
+
+@pytest.mark.parametrize("goal", ["(:goal)", "(:goal (not))", "(:goal (p a) (p a))"])
+def test_broken_goals_are_named_with_their_line(cli: Cli, tmp_path: Path, goal: str) -> None:
+    (tmp_path / "d.pddl").write_text("(define (domain d) (:predicates (p ?a)))")
+    (tmp_path / "p.pddl").write_text(f"(define (problem x) (:domain d)\n(:objects a) (:init (p a))\n{goal})")
+    ran = cli("plan-pddl", tmp_path / "d.pddl", tmp_path / "p.pddl")
+    assert ran.code == 2 and "line 3" in ran.err and "Traceback" not in ran.err
+
+
+def test_results_of_a_run_are_not_overwritten(cli: Cli, tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text("a: run")
+    for out in (tmp_path / "selection.json", tmp_path / "elsewhere" / "timings.json"):
+        ran = cli("select", WORKLOAD, "--out", out)
+        assert ran.code == 2 and "timings.json" in ran.err

@@ -36,3 +36,5 @@ def test_every_source_in_one_domain(cli: Cli, project: Path, tmp_path: Path) -> 
     assert solved.code == 0, json.dumps(solved.json["failures"])
     looking = cli("solve", run, "--tasks", data, "--closed-loop", "--json")
     assert looking.code == 0 and looking.json["solved"] == 2
+    fresh = cli("solve", run, "--seed", 73, "--count", 1, "--json")
+    assert fresh.code == 0, json.dumps(fresh.json["failures"])

@@ -131,3 +131,16 @@ def test_labels_in_the_episode_are_those_the_plan_rests_on() -> None:
 def test_truth_mapping_is_complete() -> None:
     mapping: Mapping[str, str] = WORDS
     assert {p.name for p in model().selected} == set(mapping)
+
+
+@pytest.mark.parametrize("closed_loop", [False, True])
+def test_a_goal_that_holds_already_needs_no_skill(closed_loop: bool) -> None:
+    task = tasks()[0]
+    bun = next(o for o in task.task.objects if o.name == "bottom_bun1")
+    on_ground = next(p for p in model().vocabulary.initial if p.name == "OnGround")
+    easy = SimulatedTask(replace(task.task, goal=(on_ground(bun),)), task.simulator)
+    environment = BurgerDomain().environment(easy.task, easy.simulator)
+    oracle = NoisyOracle([], Lies(environment.world))
+    solver = Solver(model(), Planner(GreedyBestFirst()), Labeller(oracle, LabelSettings()), closed_loop)
+    episode = solver.solve(easy.task, environment)
+    assert episode.solved and episode.steps == ()

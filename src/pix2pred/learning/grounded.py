@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 from pix2pred.learning.clustering import Lifted
 from pix2pred.learning.data import Data, NumberedDemo, ObjectIds
@@ -68,15 +67,23 @@ class Scene:
 
     def _bindings(self, schema: Schema) -> Iterator[ObjectIds]:
         domains = [[o for o in self._objects if self._data.objects[o].type.is_a(t)] for t in schema.cls.types]
-        for binding in product(*domains):
-            if len(set(binding)) == len(binding):
-                yield binding
+        yield from _injections(domains, ())
 
     def _lifted(self, atoms: Sequence[Lifted], binding: ObjectIds) -> int:
         result = 0
         for predicate, variables in atoms:
             result |= self.bit(predicate, tuple(binding[v] for v in variables))
         return result
+
+
+def _injections(domains: Sequence[Sequence[int]], chosen: ObjectIds) -> Iterator[ObjectIds]:
+    """Every choice of one object per domain without repeats, in order."""
+    if len(chosen) == len(domains):
+        yield chosen
+        return
+    for o in domains[len(chosen)]:
+        if o not in chosen:
+            yield from _injections(domains, (*chosen, o))
 
 
 def relevant_task(operators: Sequence[GroundBits], initial: int, goal: int) -> Strips | None:
