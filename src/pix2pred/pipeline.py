@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from pix2pred.learning import HillClimbing, LearningSettings, Selection, skeleton_search, tie_rule
+from pix2pred.learning import LearningSettings, Selection, hill_climbing
 from pix2pred.predicates import (
     GrammarSettings,
     Labeller,
@@ -91,9 +91,7 @@ def learn(
         progress=lambda done, total, name: progress("label", done, total, name),
     )
     progress("select", 0, len(labelling.table.candidates()), "")
-    climb = HillClimbing(
-        labelling.table, settings.learning, skeleton_search(settings.learning), tie_rule(settings.learning)
-    )
+    climb = hill_climbing(labelling.table, settings.learning)
     selection = climb.run(lambda done, total, name: progress("select", done, total, name))
     model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
     return Learned(model, proposals, labelling, selection)

@@ -19,7 +19,15 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from learning.random_tables import random_table
-from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, load_traces, skeleton_search, tie_rule
+from pix2pred.learning import (
+    HillClimbing,
+    LearningSettings,
+    hill_climbing,
+    learn_operators,
+    load_traces,
+    operator_learner,
+    tie_rule,
+)
 from pix2pred.learning.exact_tree import ExactTree
 from pix2pred.learning.grounded import GroundBits, relevant_task
 from pix2pred.learning.grouped import Grouped
@@ -299,7 +307,7 @@ def with_goals(source: TruthTable, seed: int) -> TruthTable:
 def test_demonstrations_become_the_tasks_their_atoms_describe(seed: int) -> None:
     table = with_goals(random_table(seed), seed)
     chosen = LearningSettings(h_pre_frac=0.6)
-    climb = HillClimbing(table, chosen, CountPlans(), tie_rule(chosen))
+    climb = HillClimbing(operator_learner(table, chosen), chosen, CountPlans(), tie_rule(chosen))
     candidates = [c.predicate for c in table.candidates()]
     found = climb.score(candidates)
     operators = learn_operators(table, chosen)
@@ -331,7 +339,7 @@ def test_grouped_lies_between_the_exact_values_of_25_seeds(workload: TruthTable,
 
     def score(**more: object) -> float:
         chosen = LearningSettings.model_validate(written | more)
-        climb = HillClimbing(workload, chosen, skeleton_search(chosen), tie_rule(chosen))
+        climb = hill_climbing(workload, chosen)
         return climb.score([by_name[n] for n in names]).total
 
     exact = [score(engine="exact-tree", tie_seed=seed) for seed in range(25)]

@@ -287,12 +287,12 @@ def test_refining_equals_partitioning_from_scratch(seed: int) -> None:
 _CHILD = """
 import sys
 from pathlib import Path
-from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, load_traces, skeleton_search, tie_rule
+from pix2pred.learning import LearningSettings, hill_climbing, learn_operators, load_traces
 traces = load_traces(Path(sys.argv[1]))
 for op in learn_operators(traces.table, LearningSettings()):
     print(op)
 settings = LearningSettings(j_threshold=0, max_plans=20)
-found = HillClimbing(traces.table, settings, skeleton_search(settings), tie_rule(settings)).run()
+found = hill_climbing(traces.table, settings).run()
 for step in found.steps:
     print(step.added, repr(step.j), [(r.predicate.name, repr(r.j)) for r in step.runners_up])
 """

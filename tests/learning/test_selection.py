@@ -8,7 +8,7 @@ import pytest
 
 from learning.random_tables import BALL, candidate, demo, given, table
 from learning.random_workloads import Workload, random_workload
-from pix2pred.learning import HillClimbing, LearningSettings, Selection, TieRule, skeleton_search, tie_rule
+from pix2pred.learning import HillClimbing, LearningSettings, Selection, TieRule, hill_climbing, operator_learner
 from pix2pred.learning.refinement import DemoScore
 from pix2pred.planning import Strips
 from pix2pred.structs import Action, Object, Skill, TruthTable
@@ -19,7 +19,7 @@ ENGINES = pytest.mark.parametrize("engine", ["grouped", "exact-tree"])
 
 def climb(source: TruthTable, **chosen: object) -> Selection:
     settings = LearningSettings.model_validate(chosen)
-    return HillClimbing(source, settings, skeleton_search(settings), tie_rule(settings)).run()
+    return hill_climbing(source, settings).run()
 
 
 def names(predicates: object) -> list[str]:
@@ -128,14 +128,16 @@ class Scripted:
 def test_improvement_and_level_stop_differently(early_stop: str, threshold: float, steps: int) -> None:
     """J per demonstration 600, 100, 1: drops of 1500 and 297. What buys too little is not added."""
     settings = LearningSettings.model_validate({"early_stop": early_stop, "j_threshold": threshold})
-    found = HillClimbing(kitchen(), settings, Scripted([600.0, 100.0, 1.0]), TieRule(0.0)).run()
+    found = HillClimbing(
+        operator_learner(kitchen(), settings), settings, Scripted([600.0, 100.0, 1.0]), TieRule(0.0)
+    ).run()
     assert [round(s.j) for s in found.steps] == [1800, 300, 3][:steps]
 
 
 def test_what_does_not_improve_is_not_added() -> None:
     settings = LearningSettings(j_threshold=0)
     for values in ([5.0, 5.0, 5.0], [5.0, 6.0, 1.0]):  # no look-ahead over a worse step either
-        found = HillClimbing(kitchen(), settings, Scripted(values), TieRule(0.0)).run()
+        found = HillClimbing(operator_learner(kitchen(), settings), settings, Scripted(values), TieRule(0.0)).run()
         assert (found.selected, len(found.steps)) == ((), 1)
 
 
@@ -152,7 +154,7 @@ def test_selected_predicates_that_are_no_precondition_are_dropped() -> None:
             self.calls += 1
             return DemoScore(100.0 / self.calls)
 
-    climbing = HillClimbing(only, settings, Better(), TieRule(0.0))
+    climbing = HillClimbing(operator_learner(only, settings), settings, Better(), TieRule(0.0))
     climbing._objective._known = _Forgetful()
     found = climbing.run()
     assert names(found.dropped) == ["after"]
@@ -173,7 +175,7 @@ def test_hostile_scoring_a_candidate_that_is_never_true() -> None:
     source = kitchen({"never": [0, 0, 0, 0]})
     settings = LearningSettings()
     never = next(c.predicate for c in source.pool if c.predicate.name == "never")
-    climbing = HillClimbing(source, settings, skeleton_search(settings), tie_rule(settings))
+    climbing = hill_climbing(source, settings)
     try:
         assert climbing.score([never]).total >= climbing.score([]).total
     except ValueError as error:

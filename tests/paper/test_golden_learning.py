@@ -8,7 +8,7 @@ import pytest
 
 import burger_truth
 import golden
-from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, skeleton_search, tie_rule
+from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
 from pix2pred.structs import LiftedAtom, Operator, TruthTable
 
 WORDS = {"cooked": "cooked", "hand_free": "hand_empty", "chopped": "chopped"}
@@ -57,7 +57,7 @@ def test_the_printed_operators_are_learned_exactly(family: str) -> None:
 @pytest.mark.parametrize("family", PRINTED)
 def test_selection_follows_the_table(family: str, early_stop: str, engine: str) -> None:
     settings = LearningSettings.model_validate({"engine": engine, "early_stop": early_stop})
-    selection = HillClimbing(_table(family, list(WORDS)), settings, skeleton_search(settings), tie_rule(settings)).run()
+    selection = hill_climbing(_table(family, list(WORDS)), settings).run()
     assert [step.added.name for step in selection.steps if step.added] == NEEDED[family]
     for step, expected in zip(selection.steps, J_TABLE[family], strict=True):
         assert step.j == pytest.approx(expected, rel=0.35)

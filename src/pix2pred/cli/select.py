@@ -14,15 +14,13 @@ from pydantic import ValidationError
 
 from pix2pred.cli.console import bars, err, print_json
 from pix2pred.learning import (
-    HillClimbing,
     LearningSettings,
     Selection,
     Traces,
     TracesError,
+    hill_climbing,
     load_traces,
     selection_document,
-    skeleton_search,
-    tie_rule,
 )
 from pix2pred.planning.pddl_write import write_domain, write_problem
 from pix2pred.structs import Predicate, WorldModel
@@ -38,6 +36,7 @@ def select(
     pddl: Annotated[Path | None, Parameter(help="Folder for domain.pddl and a problem per demonstration.")] = None,
     score: Annotated[str | None, Parameter(help="Score this set (A,B; empty: none) instead of searching.")] = None,
     tie_seeds: Annotated[int, Parameter(help="With --score: min, median, max of J over this many seeds.")] = 0,
+    operators: Literal["cluster-and-intersect", "robust"] | None = None,
     engine: Literal["grouped", "exact-tree"] | None = None,
     h_pre_frac: float | None = None,
     h_data_frac: float | None = None,
@@ -59,7 +58,8 @@ def select(
         raise TracesError("--tie-seeds goes with --score, and --pddl goes without it")
     traces = load_traces(file)
     options = {
-        "engine": engine, "h_pre_frac": h_pre_frac, "h_data_frac": h_data_frac, "j_threshold": j_threshold,
+        "operators": operators, "engine": engine, "h_pre_frac": h_pre_frac, "h_data_frac": h_data_frac,
+        "j_threshold": j_threshold,
         "early_stop": early_stop, "precondition_rule": precondition_rule, "max_plans": max_plans,
         "node_budget": node_budget, "tie_seed": tie_seed,
     }  # fmt: skip
@@ -69,7 +69,7 @@ def select(
         if score is not None:
             document, scored = _score(traces, settings, score, tie_seeds), 1
         else:
-            climb = HillClimbing(traces.table, settings, skeleton_search(settings), tie_rule(settings))
+            climb = hill_climbing(traces.table, settings)
             selection = climb.run(lambda done, total, name: progress("select", done, total, name))
             document, scored = selection_document(selection, settings), selection.scored
     seconds = {"cpu": time.process_time() - cpu, "wall": time.perf_counter() - wall}
@@ -117,7 +117,7 @@ def _score(traces: Traces, settings: LearningSettings, names: str, tie_seeds: in
 
 
 def _j(traces: Traces, settings: LearningSettings, chosen: Sequence[Predicate]) -> float:
-    climb = HillClimbing(traces.table, settings, skeleton_search(settings), tie_rule(settings))
+    climb = hill_climbing(traces.table, settings)
     try:
         return climb.score(chosen).total
     except ValueError as error:

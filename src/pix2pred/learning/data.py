@@ -6,10 +6,24 @@ one numbering in sorted order, so comparing indices compares names.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 
-from pix2pred.structs import Candidate, LabelledDemo, Object, Predicate, Skill, TruthTable, Type, unknown_as_false
+import numpy as np
+from numpy.typing import NDArray
+
+from pix2pred.structs import (
+    UNKNOWN,
+    Candidate,
+    LabelledDemo,
+    Object,
+    Predicate,
+    Skill,
+    TruthTable,
+    Type,
+    unknown_as_false,
+)
 
 ObjectIds = tuple[int, ...]
 Extension = frozenset[ObjectIds]
@@ -51,13 +65,11 @@ class Data:
         self.skills: tuple[Skill, ...] = tuple(sorted({a.skill for demo in table.demos for a in demo.actions}))
         self._object_ids = {o: i for i, o in enumerate(self.objects)}
         self._predicate_ids = {p: i for i, p in enumerate(self.predicates)}
-        self._extensions = [self._read_states(demo) for demo in table.demos]
+        self._extensions = [self._read_states(demo, unknown_as_false(demo.values)) for demo in table.demos]
+        self._unknown = [self._read_states(demo, demo.values == UNKNOWN) for demo in table.demos]
         self.demos = tuple(self._read_demo(demo) for demo in table.demos)
         self.transitions = tuple(self._read_transitions(table.demos))
-        self._effects = [
-            {t: effect for t, tr in enumerate(self.transitions) if any(effect := self._difference(p, tr))}
-            for p in range(len(self.predicates))
-        ]
+        self._effects = [self._changes(p) for p in range(len(self.predicates))]
 
     def cost(self, predicate: int) -> float:
         """What choosing a candidate costs in the objective."""
@@ -70,6 +82,20 @@ class Data:
     def extension(self, demo: int, state: int, predicate: int) -> Extension:
         """The argument tuples of which ``predicate`` is true in a state."""
         return self._extensions[demo][state].get(predicate, NOTHING)
+
+    def unknown(self, demo: int, state: int, predicate: int) -> Extension:
+        """The argument tuples for which nobody knows whether ``predicate`` is true in a state."""
+        return self._unknown[demo][state].get(predicate, NOTHING)
+
+    def relabelled(self, extensions: Mapping[int, Sequence[Sequence[Extension]]]) -> Data:
+        """The same demonstrations, the predicates of ``extensions`` with other values (by demonstration and state)."""
+        new = copy(self)
+        new._extensions = [
+            [state | {p: values[d][s] for p, values in extensions.items()} for s, state in enumerate(states)]
+            for d, states in enumerate(self._extensions)
+        ]
+        new._effects = [new._changes(p) if p in extensions else effects for p, effects in enumerate(self._effects)]
+        return new
 
     def before(self, transition: int, predicate: int) -> Extension:
         """The extension of ``predicate`` in the state before a transition."""
@@ -89,14 +115,18 @@ class Data:
         states = (self.extension(d, s, predicate) for d, demo in enumerate(self._extensions) for s in range(len(demo)))
         return (self.predicates[predicate].types, *states)
 
-    def _read_states(self, demo: LabelledDemo) -> list[dict[int, Extension]]:
+    def _read_states(self, demo: LabelledDemo, marked: NDArray[np.bool_]) -> list[dict[int, Extension]]:
+        """Per state and predicate, the argument tuples that are ``marked``."""
         columns: dict[int, list[tuple[int, ObjectIds]]] = {}
         for i, atom in enumerate(demo.atoms):
             if atom.predicate in self._predicate_ids:
                 args = tuple(self._object_ids[o] for o in atom.objects)
                 columns.setdefault(self._predicate_ids[atom.predicate], []).append((i, args))
-        held = unknown_as_false(demo.values).tolist()
-        return [{p: frozenset(args for i, args in atoms if row[i]) for p, atoms in columns.items()} for row in held]
+        rows = marked.tolist()
+        return [{p: frozenset(args for i, args in atoms if row[i]) for p, atoms in columns.items()} for row in rows]
+
+    def _changes(self, predicate: int) -> dict[int, tuple[Extension, Extension]]:
+        return {t: effect for t, tr in enumerate(self.transitions) if any(effect := self._difference(predicate, tr))}
 
     def _read_demo(self, demo: LabelledDemo) -> NumberedDemo:
         objects = tuple(sorted(self._object_ids[o] for o in demo.objects))

@@ -1,12 +1,37 @@
-"""From the setting ``engine`` to the objects that compute J and settle ties."""
+"""From settings to the objects that learn operators, compute J and settle ties."""
 
 from __future__ import annotations
 
+from pix2pred.learning.data import Data
 from pix2pred.learning.exact_tree import ExactTree
 from pix2pred.learning.grouped import Grouped
+from pix2pred.learning.learner import ClusterAndIntersect, OperatorLearner
+from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
-from pix2pred.learning.selection import TieRule
+from pix2pred.learning.robust import Robust
+from pix2pred.learning.selection import HillClimbing, TieRule
 from pix2pred.learning.settings import LearningSettings
+from pix2pred.structs import Operator, TruthTable
+
+
+def operator_learner(table: TruthTable, settings: LearningSettings) -> OperatorLearner:
+    """How operators are learned."""
+    if settings.operators == "robust":
+        return Robust(Data(table))
+    return ClusterAndIntersect(Data(table), settings)
+
+
+def learn_operators(table: TruthTable, settings: LearningSettings) -> tuple[Operator, ...]:
+    """Operators over all predicates of ``table``: the initial ones and the whole pool."""
+    learner = operator_learner(table, settings)
+    everything = range(len(learner.data.predicates))
+    found = learner.schemas(learner.partition(everything), everything)
+    return tuple(to_operator(learner.data, schema) for schema in found)
+
+
+def hill_climbing(table: TruthTable, settings: LearningSettings) -> HillClimbing:
+    """Selection as ``settings`` ask for."""
+    return HillClimbing(operator_learner(table, settings), settings, skeleton_search(settings), tie_rule(settings))
 
 
 def skeleton_search(settings: LearningSettings) -> SkeletonSearch:

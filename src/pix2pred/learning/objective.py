@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pix2pred.learning.clustering import Partition
-from pix2pred.learning.data import Data, ObjectIds
+from pix2pred.learning.data import ObjectIds
 from pix2pred.learning.grounded import Scene, initial_and_goal, relevant_task
-from pix2pred.learning.operators import Schema, schemas
+from pix2pred.learning.learner import OperatorLearner
+from pix2pred.learning.operators import Schema
 from pix2pred.learning.refinement import DemoScore, SkeletonSearch
-from pix2pred.learning.settings import LearningSettings
 from pix2pred.planning import Strips
 
 W_PRED = 1e-4
@@ -58,9 +58,9 @@ class PartialSum:
 class Objective:
     """Scores predicate sets over one data set, remembering what demonstrations with equal tasks cost."""
 
-    def __init__(self, data: Data, settings: LearningSettings, search: SkeletonSearch) -> None:
-        self._data = data
-        self._settings = settings
+    def __init__(self, learner: OperatorLearner, search: SkeletonSearch) -> None:
+        self._learner = learner
+        self._data = learner.data
         self._search = search
         self._scenes: dict[ObjectIds, Scene] = {}
         self._known: dict[tuple[Strips | None, int], DemoScore] = {}
@@ -76,7 +76,7 @@ class Objective:
     def begin(self, chosen: Sequence[int], classes: Partition) -> PartialSum:
         """J of a set before any demonstration is looked at: the cost of its predicates."""
         predicates = (*range(self._data.initial), *chosen)
-        operators = schemas(self._data, classes, predicates, self._settings)
+        operators = self._learner.schemas(classes, predicates)
         cost = W_PRED * sum(self._data.cost(p) for p in chosen)
         return PartialSum(predicates, operators, cost, [None] * len(self._data.demos))
 

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning.clustering import Lifted, Partition, TransitionClass, partition
+from pix2pred.learning.clustering import Lifted, Partition, TransitionClass
 from pix2pred.learning.data import Data
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs import LiftedAtom, Operator, TruthTable, Variable
+from pix2pred.structs import LiftedAtom, Operator, Variable
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,11 +62,3 @@ def to_operator(data: Data, schema: Schema) -> Operator:
         tuple(variables[v] for v in cls.skill_args),
         len(cls.members),
     )
-
-
-def learn_operators(table: TruthTable, settings: LearningSettings) -> tuple[Operator, ...]:
-    """Operators over all predicates of ``table``: the initial ones and the whole pool."""
-    data = Data(table)
-    everything = range(len(data.predicates))
-    found = schemas(data, partition(data, everything), everything, settings)
-    return tuple(to_operator(data, schema) for schema in found)

@@ -6,13 +6,13 @@ import heapq
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning.clustering import Partition, partition, refine
-from pix2pred.learning.data import Data
+from pix2pred.learning.clustering import Partition
+from pix2pred.learning.learner import OperatorLearner
 from pix2pred.learning.objective import Objective, Score
-from pix2pred.learning.operators import schemas, to_operator
+from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs import Operator, Predicate, TruthTable
+from pix2pred.structs import Operator, Predicate
 
 Progress = Callable[[int, int, str], None]
 """Called with (candidates done, candidates in this step, what is going on)."""
@@ -66,7 +66,7 @@ class TieRule:
 
     margin: float
 
-    def choose(self, data: Data, settings: LearningSettings, scored: Sequence[_Scored]) -> _Scored:
+    def choose(self, learner: OperatorLearner, scored: Sequence[_Scored]) -> _Scored:
         """The winner: cheapest, then best explained by its own operators, then first by name.
 
         A visual predicate costs its number of arguments; feature and quantified predicates cost more.
@@ -75,7 +75,7 @@ class TieRule:
         rivals = [s for s in scored if s.score.total <= smallest + self.margin]
         if self.margin == 0 or len(rivals) == 1:
             return rivals[0]
-        return min(rivals, key=lambda s: (data.cost(s.predicate), _disagreements(data, settings, s)))
+        return min(rivals, key=lambda s: (learner.data.cost(s.predicate), _disagreements(learner, s)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +88,14 @@ class _Scored:
     score: Score
 
 
-def _disagreements(data: Data, settings: LearningSettings, candidate: _Scored) -> int:
+def _disagreements(learner: OperatorLearner, candidate: _Scored) -> int:
     """Labels that the operators learned with a candidate do not account for.
 
     Counts transitions of dropped classes and members in which a precondition over the candidate does not hold.
     """
+    data = learner.data
     predicates = (*range(data.initial), *candidate.chosen)
-    kept = schemas(data, candidate.classes, predicates, settings)
+    kept = learner.schemas(candidate.classes, predicates)
     count = len(data.transitions) - sum(len(s.cls.members) for s in kept)
     for schema in kept:
         before = schema.cls.counts_before(data, candidate.predicate)
@@ -105,11 +106,14 @@ def _disagreements(data: Data, settings: LearningSettings, candidate: _Scored) -
 class HillClimbing:
     """Greedy forward selection from the initial predicates alone."""
 
-    def __init__(self, table: TruthTable, settings: LearningSettings, search: SkeletonSearch, ties: TieRule) -> None:
+    def __init__(
+        self, learner: OperatorLearner, settings: LearningSettings, search: SkeletonSearch, ties: TieRule
+    ) -> None:
+        self._learner = learner
         self._settings = settings
         self._ties = ties
-        self._data = Data(table)
-        self._objective = Objective(self._data, settings, search)
+        self._data = learner.data
+        self._objective = Objective(learner, search)
         self._representatives = self._distinct_columns()
         self._evaluations = self._scored = self._budget_hits = 0
 
@@ -117,7 +121,7 @@ class HillClimbing:
         """Climb until the early-stop rule holds or nothing improves; then learn the final operators."""
         data = self._data
         initial = tuple(range(data.initial))
-        classes = partition(data, initial)
+        classes = self._learner.partition(initial)
         score = self._objective.score((), classes)
         current = _Scored(-1, (), classes, score)
         self._evaluations = self._scored = 1
@@ -128,7 +132,7 @@ class HillClimbing:
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
                 break
-            best = self._ties.choose(data, self._settings, better)
+            best = self._ties.choose(self._learner, better)
             if self._insufficient(current.score.total - best.score.total):
                 break
             current = best
@@ -143,7 +147,7 @@ class HillClimbing:
         if absent:
             raise ValueError(f"{', '.join(absent)}: never true in the demonstrations, so not a candidate")
         numbers = tuple(self._data.predicates.index(p) for p in chosen)
-        classes = partition(self._data, (*range(self._data.initial), *numbers))
+        classes = self._learner.partition((*range(self._data.initial), *numbers))
         return self._objective.score(numbers, classes)
 
     def _stop(self, current: float) -> bool:
@@ -156,7 +160,8 @@ class HillClimbing:
     def _distinct_columns(self) -> dict[int, list[int]]:
         """The cheapest candidate (first by name) of every distinct truth column, with the others that share it."""
         by_column: dict[tuple[object, ...], list[int]] = {}
-        candidates = range(self._data.initial, len(self._data.predicates))
+        everything = range(self._data.initial, len(self._data.predicates))
+        candidates = [p for p in everything if p not in self._learner.unreliable]
         for p in sorted(candidates, key=self._data.cost):
             by_column.setdefault(self._data.column(p), []).append(p)
         return {members[0]: members[1:] for members in sorted(by_column.values())}
@@ -170,7 +175,9 @@ class HillClimbing:
         data = self._data
         order = sorted(range(len(data.demos)), key=lambda d: current.score.demos[d] or 0.0)
         candidates = [p for p in self._representatives if p not in current.chosen]
-        refined = [refine(data, current.classes, (*range(data.initial), *current.chosen), p) for p in candidates]
+        refined = [
+            self._learner.refine(current.classes, (*range(data.initial), *current.chosen), p) for p in candidates
+        ]
         sums = [
             self._objective.begin((*current.chosen, p), classes) for p, classes in zip(candidates, refined, strict=True)
         ]
@@ -202,7 +209,7 @@ class HillClimbing:
 
         def learn(numbers: Sequence[int]) -> tuple[Operator, ...]:
             predicates = (*range(data.initial), *numbers)
-            found = schemas(data, partition(data, predicates), predicates, self._settings)
+            found = self._learner.schemas(self._learner.partition(predicates), predicates)
             return tuple(to_operator(data, schema) for schema in found)
 
         used = {atom.predicate for op in learn(chosen) for atom in op.preconditions}

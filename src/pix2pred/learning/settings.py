@@ -12,6 +12,9 @@ class LearningSettings(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    operators: Literal["cluster-and-intersect", "robust"] = Field(
+        "cluster-and-intersect", description="how operators are learned: as published, or allowing for wrong labels"
+    )
     h_pre_frac: float = Field(
         0.8, ge=0, le=1, description="share of a class's transitions in which a precondition must hold"
     )

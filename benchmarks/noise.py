@@ -1,0 +1,125 @@
+"""Tasks solved in the simulator against wrong labels in the demonstrations, for both operator learners.
+
+    python benchmarks/noise.py --draws 10 --jobs 2 --out runs/noise
+
+For every (family, error model, rate, draw): a pool of typed words is drawn, the candidates' labels are flipped, each
+learner selects for itself, and 10 test tasks are planned with true labels and executed. OUT/rows.jsonl has a line per
+run, and runs that are already in it are not repeated; OUT/noise.md is the table and docs/images/noise.svg the figure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections import defaultdict
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed
+
+from burger_pool import NEEDED, true_state, workload, wrong_labels
+from pix2pred.domains.burger import BurgerDomain
+from pix2pred.domains.burger.world import World
+from pix2pred.execution.episode import open_loop
+from pix2pred.learning import LearningSettings, Selection, hill_climbing
+from pix2pred.registry import load_planner
+from pix2pred.structs import PlanStatus
+
+LEARNERS = ("cluster-and-intersect", "robust")
+ERRORS = ("independent", "sticky", "unknown", "test")
+RATES = (0.0, 0.01, 0.02, 0.05, 0.1)
+
+
+def run(family: str, errors: str, rate: float, draw: int, learner: str, candidates: int, tasks: int) -> dict[str, Any]:
+    """One draw: learn from wrong labels and solve tasks with true ones."""
+    source = workload(family, candidates, seed=draw)
+    flip, unknown = (0.0, rate) if errors == "unknown" else (rate, 0.0)
+    table = wrong_labels(source.table, flip, draw, unknown=unknown, sticky=errors == "sticky")
+    settings = LearningSettings.model_validate({**domain().settings(family), "operators": learner})
+    start = time.process_time()
+    selection = hill_climbing(table, settings).run()
+    seconds = time.process_time() - start
+    return {
+        "family": family, "errors": errors, "rate": rate, "draw": draw, "learner": learner,
+        "selected": [p.name for p in selection.selected], "right": source.right(selection.selected),
+        "operators": len(selection.operators), "J": [round(s.j, 1) for s in selection.steps],
+        "solved": solved(family, selection, source.meaning, draw, tasks), "tasks": tasks, "seconds": round(seconds, 2),
+    }  # fmt: skip
+
+
+@cache
+def domain() -> BurgerDomain:
+    return BurgerDomain()
+
+
+@cache
+def test_tasks(family: str, seed: int, count: int) -> Sequence[Any]:
+    return domain().tasks(family, seed, count)
+
+
+def solved(family: str, selection: Selection, meaning: Any, seed: int, count: int) -> int:
+    total = 0
+    predicates = (*domain().vocabulary(family).initial, *selection.selected)
+    planner = load_planner("portfolio")
+    for item in test_tasks(family, seed, count):
+        state = true_state(World.from_dict(item.simulator["world"]), predicates, meaning)
+        found = planner.plan(selection.operators, item.task.objects, state, item.task.goal)
+        if found.status == PlanStatus.SOLVED and len(found.plan) <= 200:
+            environment = domain().environment(item.task, item.simulator)
+            environment.reset()
+            total += open_loop(found.plan, environment).goal_reached
+    return total
+
+
+def table(rows: Sequence[dict[str, Any]]) -> str:
+    """Share of solved tasks in percent, and of draws with the right choice."""
+    cells: dict[tuple[str, str, str], dict[float, list[dict[str, Any]]]] = defaultdict(lambda: defaultdict(list))
+    for row in rows:
+        cells[row["errors"], row["family"], row["learner"]][row["rate"]].append(row)
+    rates = sorted({row["rate"] for row in rows})
+    lines = ["| errors | family | learner | " + " | ".join(f"{r:.0%}" for r in rates) + " |"]
+    lines.append("|---" * (3 + len(rates)) + "|")
+    for key, by_rate in sorted(cells.items()):
+        texts = []
+        for rate in rates:
+            found = by_rate.get(rate, [])
+            share = 100 * sum(r["solved"] for r in found) / max(1, sum(r["tasks"] for r in found))
+            right = sum(r["right"] for r in found)
+            texts.append(f"{share:.0f} ({right}/{len(found)})" if found else "–")
+        lines.append(f"| {' | '.join(key)} | {' | '.join(texts)} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--draws", type=int, default=10)
+    parser.add_argument("--candidates", type=int, default=98)
+    parser.add_argument("--tasks", type=int, default=10)
+    parser.add_argument("--families", nargs="*", default=list(NEEDED))
+    parser.add_argument("--errors", nargs="*", default=["independent"], choices=ERRORS)
+    parser.add_argument("--rates", nargs="*", type=float, default=list(RATES))
+    parser.add_argument("--learners", nargs="*", default=list(LEARNERS))
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("runs/noise"))
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    jobs = [
+        (f, e, r, d, learner, arguments.candidates, arguments.tasks)
+        for f in arguments.families for e in arguments.errors for r in arguments.rates
+        for d in range(arguments.draws) for learner in arguments.learners
+    ]  # fmt: skip
+    rows = []
+    with (arguments.out / "rows.jsonl").open("w") as stream:
+        for row in Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(run)(*job) for job in jobs):
+            stream.write(json.dumps(row) + "\n")
+            stream.flush()
+            rows.append(row)
+    (arguments.out / "noise.md").write_text(table(rows))
+    print(table(rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+"""What selection asks of a way to learn operators, and the published way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from pix2pred.learning.clustering import Partition, partition, refine
+from pix2pred.learning.data import Data
+from pix2pred.learning.operators import Schema, schemas
+from pix2pred.learning.settings import LearningSettings
+
+
+class OperatorLearner(Protocol):
+    """Operators for any subset of the predicates of one data set."""
+
+    @property
+    def data(self) -> Data:
+        """The demonstrations, with the labels this learner believes."""
+        ...
+
+    @property
+    def unreliable(self) -> frozenset[int]:
+        """Candidates whose labels this learner cannot make sense of; they are not to be selected."""
+        ...
+
+    def partition(self, predicates: Sequence[int]) -> Partition:
+        """Classes of transitions with the same effects over ``predicates``, in order of their first member."""
+        ...
+
+    def refine(self, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
+        """``partition([*predicates, added])``, given ``classes``, which is the partition over ``predicates``."""
+        ...
+
+    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
+        """The operators of ``classes``."""
+        ...
+
+
+class ClusterAndIntersect:
+    """The published learner: equal effects, soft intersection of preconditions, rare classes dropped (method 5)."""
+
+    def __init__(self, data: Data, settings: LearningSettings) -> None:
+        self.data = data
+        self.unreliable = frozenset[int]()
+        self._settings = settings
+
+    def partition(self, predicates: Sequence[int]) -> Partition:
+        """See ``OperatorLearner``."""
+        return partition(self.data, predicates)
+
+    def refine(self, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
+        """See ``OperatorLearner``."""
+        return refine(self.data, classes, predicates, added)
+
+    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
+        """See ``OperatorLearner``."""
+        return schemas(self.data, classes, predicates, self._settings)
