@@ -1,5 +1,7 @@
-"""Learn planning-competition-like domains from 12 small demonstrations with 30 candidate predicates, one or two of them
-needed, and solve 10 larger problems a domain with what was learned; a plan counts when it works in the true domain.
+"""Learn planning-competition-like domains and solve larger problems of them with what was learned.
+
+A domain gives 12 small demonstrations with 30 candidate predicates, one or two of them needed, and 10 larger problems.
+A plan counts when it works in the true domain.
 
     python benchmarks/competition.py --noise 0 0.02 0.05 --seed 0
     python benchmarks/competition.py --told --set h_pre_frac=1 --set h_data_frac=0      # the needed ones are known
@@ -7,7 +9,7 @@ needed, and solve 10 larger problems a domain with what was learned; a plan coun
     python benchmarks/competition.py --write runs/traces                                # the traces, nothing learned
 
 ``--seed`` changes the problems, the candidates, what is hidden and the noise.
-"""  # noqa: D205
+"""
 
 from __future__ import annotations
 
@@ -21,12 +23,12 @@ from pathlib import Path
 from typing import Any
 
 from joblib import Parallel, delayed
-from symbolic.problems import CATALOGUE, TESTS
-from symbolic.score import MAX_SECONDS, Score, score_model
-from symbolic.traces import Workload, make_traces
 
 from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, skeleton_search, tie_rule
 from pix2pred.structs import Operator
+from symbolic.problems import CATALOGUE, TESTS
+from symbolic.score import MAX_SECONDS, Score, score_model
+from symbolic.traces import Workload, make_traces
 
 
 @dataclass(frozen=True, slots=True)

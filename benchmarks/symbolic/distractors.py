@@ -151,7 +151,11 @@ def _some(p: Predicate, i: int) -> Truth:
 
 
 def _both(p: Predicate, i: int, q: Predicate, j: int) -> Truth:
-    return lambda now: {(a[i],) for a in now.extension(p)} & {(a[j],) for a in now.extension(q)}
+    def truth(now: Moment) -> set[Args]:
+        first: set[Args] = {(args[i],) for args in now.extension(p)}
+        return first & {(args[j],) for args in now.extension(q)}
+
+    return truth
 
 
 def _after(action: str, i: int) -> Truth:

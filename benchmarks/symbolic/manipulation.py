@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from random import Random
 
 from symbolic.instance import Instance, towers
@@ -13,9 +14,9 @@ def blocksworld(rng: Random, large: bool) -> Instance:
     task.fact("hand-empty")
     for pile in towers(rng, blocks):
         task.fact(f"on-table {pile[0]}", f"clear {pile[-1]}")
-        task.fact(*(f"on {b} {a}" for a, b in zip(pile, pile[1:], strict=False)))
+        task.fact(*(f"on {b} {a}" for a, b in pairwise(pile)))
     for pile in towers(rng, blocks):
-        task.goal += [f"on {b} {a}" for a, b in zip(pile, pile[1:], strict=False)]
+        task.goal += [f"on {b} {a}" for a, b in pairwise(pile)]
         if len(pile) == 1:
             task.goal.append(f"on-table {pile[0]}")
     return task

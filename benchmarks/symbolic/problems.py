@@ -20,8 +20,17 @@ DEMOS, TESTS = 12, 10
 SHORTEST, LONGEST = 3, 15
 OPTIMAL = Planner(AStar(max_nodes=20_000))
 GREEDY = Planner(GreedyBestFirst(max_nodes=20_000))
+POOL = 40
+"""Small problems that are solved to choose the demonstrations from."""
+NEW_KIND = 100
+"""A step of a new kind counts as much as ruling out so many preconditions."""
 COVERED = 3
-"""In how many demonstrations every action (by types of its arguments) should occur, if drawing can make it."""
+"""Up to how many demonstrations of the same kind of step are worth more than none."""
+
+Kind = tuple[str, ...]
+"""An action and the types of its arguments."""
+Lifted = tuple[str, tuple[int, ...]]
+"""A predicate and the positions of its arguments among those of the action."""
 
 Generator = Callable[[Random, bool], Instance]
 Hide = tuple[tuple[str, ...], ...]
@@ -62,9 +71,11 @@ class SolvedProblem:
 
 @cache
 def load_domain(name: str, skill_args: str = "all") -> PddlDomain:
-    """A domain by its file's name. ``skill_args``: ``all`` makes every action a skill with all its parameters,
-    ``subset`` takes the skills of the file's ``;@ skill`` comments, as a robot has them.
-    """  # noqa: D205
+    """A domain by its file's name.
+
+    ``skill_args``: ``all`` makes every action a skill with all its parameters, ``subset`` takes the skills of the
+    file's ``;@ skill`` comments, which have fewer, as a robot's skills do.
+    """
     domain = read_domain((FOLDER / f"{name}.pddl").read_text(encoding="utf-8"))
     if skill_args == "subset":
         return domain
@@ -91,22 +102,30 @@ def to_problem(domain: PddlDomain, name: str, instance: Instance) -> PddlProblem
 
 @cache
 def demonstrations(name: str, seed: int) -> tuple[SolvedProblem, ...]:
-    """Small problems with shortest plans; drawn until every kind of step is shown, if that can be."""
-    pool: list[SolvedProblem] = []
-    shown: Counter[tuple[str, ...]] = Counter()
-    for solved in _solved(name, seed, large=False):
-        pool.append(solved)
-        shown.update(_kinds(solved))
-        if len(pool) >= 4 * DEMOS or (len(pool) >= 2 * DEMOS and min(shown.values()) >= COVERED):
-            break
+    """Small problems with shortest plans, each next one chosen to rule out most.
+
+    Together they show every kind of step that was drawn and leave as little doubt as can be on what it needs.
+    """
+    pool = [solved for solved, _ in zip(_solved(name, seed, large=False), range(POOL), strict=False)]
+    steps = {solved.problem.name: _steps(solved) for solved in pool}
+    open_questions: dict[Kind, frozenset[Lifted]] = {}
+    shown: Counter[Kind] = Counter()
+
+    def gain(solved: SolvedProblem) -> tuple[int, int]:
+        ruled_out, news = 0, 0
+        for kind, held in steps[solved.problem.name].items():
+            ruled_out += len(open_questions[kind] - held) if kind in open_questions else NEW_KIND
+            news += shown[kind] < COVERED
+        return ruled_out, news
+
     chosen: list[SolvedProblem] = []
-    seen: Counter[tuple[str, ...]] = Counter()
     while len(chosen) < DEMOS:
-        rest = [s for s in pool if s not in chosen]
-        best = max(rest, key=lambda s: sum(seen[kind] < COVERED for kind in _kinds(s)))
+        best = max((s for s in pool if s not in chosen), key=gain)
         chosen.append(best)
-        seen.update(_kinds(best))
-    return tuple(chosen)
+        for kind, held in steps[best.problem.name].items():
+            open_questions[kind] = open_questions.get(kind, held) & held
+            shown[kind] += 1
+    return tuple(sorted(chosen, key=pool.index))
 
 
 @cache
@@ -115,8 +134,17 @@ def tests(name: str, seed: int) -> tuple[SolvedProblem, ...]:
     return tuple(solved for solved, _ in zip(_solved(name, seed, large=True), range(TESTS), strict=False))
 
 
-def _kinds(solved: SolvedProblem) -> set[tuple[str, ...]]:
-    return {(step.operator.name, *(o.type.name for o in step.objects)) for step in solved.plan}
+def _steps(solved: SolvedProblem) -> dict[Kind, frozenset[Lifted]]:
+    """For every kind of step in a plan: what held of its arguments, beforehand, each time."""
+    found: dict[Kind, frozenset[Lifted]] = {}
+    for step, state in zip(solved.plan, solved.states, strict=False):
+        position = {o: i for i, o in enumerate(step.objects)}
+        held = frozenset(
+            (a.predicate.name, tuple(position[o] for o in a.objects)) for a in state if position.keys() >= {*a.objects}
+        )
+        kind = (step.operator.name, *(o.type.name for o in step.objects))
+        found[kind] = found.get(kind, held) & held
+    return found
 
 
 def _solved(name: str, seed: int, *, large: bool) -> Iterator[SolvedProblem]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from random import Random
 
 from symbolic.instance import Instance
@@ -78,7 +79,7 @@ def spanner(rng: Random, large: bool) -> Instance:
     task = Instance()
     shed, gate = task.add("place", 1, "shed") + task.add("place", 1, "gate")
     way = [shed, *task.add("place", rng.randint(3, 5) if large else rng.randint(1, 2), "stop"), gate]
-    task.fact(*(f"link {a} {b}" for a, b in zip(way, way[1:], strict=False)))
+    task.fact(*(f"link {a} {b}" for a, b in pairwise(way)))
     nuts = task.add("nut", rng.randint(3, 4) if large else rng.randint(1, 3))
     tools = task.add("spanner", len(nuts) + rng.randint(0, 1))
     task.fact(f"at {task.add('mechanic', 1)[0]} {shed}", *(f"usable {s}" for s in tools))

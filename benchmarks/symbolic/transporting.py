@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from random import Random
 
 from symbolic.instance import Instance
@@ -72,7 +73,7 @@ def zenotravel(rng: Random, large: bool) -> Instance:
     task = Instance()
     cities = task.add("city", rng.randint(4, 5) if large else 3)
     levels = task.add("level", 4 if large else 3)
-    task.fact(*(f"next {a} {b}" for a, b in zip(levels, levels[1:], strict=False)))
+    task.fact(*(f"next {a} {b}" for a, b in pairwise(levels)))
     planes = task.add("aircraft", 2 if large else rng.randint(1, 2))
     for plane in planes:
         task.fact(f"at {plane} {rng.choice(cities)}", f"fuel {plane} {rng.choice(levels[:-1])}")
@@ -90,7 +91,7 @@ def transport(rng: Random, large: bool) -> Instance:
     places = task.add("place", rng.randint(5, 6) if large else rng.randint(3, 4))
     task.connect(rng, "road", places, 2 if large else 0)
     sizes = task.add("size", 3)
-    task.fact(*(f"one-less {a} {b}" for a, b in zip(sizes, sizes[1:], strict=False)))
+    task.fact(*(f"one-less {a} {b}" for a, b in pairwise(sizes)))
     for vehicle in task.add("vehicle", 2 if large else 1):
         task.fact(f"at {vehicle} {rng.choice(places)}", f"capacity {vehicle} {rng.choice(sizes[1:])}")
     for package in task.add("package", rng.randint(4, 6) if large else rng.randint(1, 3)):
