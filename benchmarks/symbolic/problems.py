@@ -89,7 +89,7 @@ def _with_all_arguments(op: Operator) -> Operator:
 def to_problem(domain: PddlDomain, name: str, instance: Instance) -> PddlProblem:
     """An instance in words as objects and atoms of ``domain``."""
     types = {t.name: t for t in domain.types}
-    objects = {o: Object(o, types[t]) for o, t in instance.objects.items()}
+    objects = {o: Object(o, types[t], o) for o, t in instance.objects.items()}
     predicates = {p.name: p for p in domain.predicates}
 
     def atom(text: str) -> Atom:

@@ -18,7 +18,7 @@ from pix2pred.structs.documents import Names, OperatorDoc, build_operator
 from symbolic.traces import Workload
 
 MAX_NODES = 20_000
-MAX_SECONDS = 30.0
+MAX_SECONDS = 5.0
 """Of processor time, for one problem: only models that are wrong come near it."""
 
 

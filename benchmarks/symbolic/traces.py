@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from random import Random
 from typing import Any
 
@@ -20,6 +20,8 @@ from pix2pred.structs import (
     Atom,
     Candidate,
     LabelledDemo,
+    LiftedAtom,
+    Operator,
     Predicate,
     TruthTable,
     Vocabulary,
@@ -52,6 +54,19 @@ class Workload:
         pool = tuple(c for c in self.table.pool if c.predicate.name in self.hidden)
         known = (*self.table.initial, *(c.predicate for c in pool))
         return TruthTable(self.table.initial, pool, tuple(d.restricted(known) for d in self.table.demos))
+
+    def true_operators(self, *, known: bool = True) -> tuple[Operator, ...]:
+        """The true domain, the hidden predicates under their candidates' names, or (not ``known``) left out."""
+        candidate = {c.meaning: c.predicate for c in self.columns if c.predicate.name in self.hidden}
+
+        def seen(atoms: Iterable[LiftedAtom]) -> frozenset[LiftedAtom]:
+            kept = [a for a in atoms if known or a.predicate.name not in candidate]
+            return frozenset(LiftedAtom(candidate.get(a.predicate.name, a.predicate), a.variables) for a in kept)
+
+        return tuple(
+            replace(op, preconditions=seen(op.preconditions), add=seen(op.add), delete=seen(op.delete))
+            for op in self.domain.operators
+        )
 
     def initial_state(self, problem: PddlProblem, selected: Sequence[str]) -> AbstractState:
         """The true start of a test problem over given and selected predicates."""
