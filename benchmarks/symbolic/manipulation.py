@@ -103,7 +103,7 @@ def bartender(rng: Random, large: bool) -> Instance:
 
 def childsnack(rng: Random, large: bool) -> Instance:
     task = Instance()
-    children = task.add("child", rng.randint(4, 6) if large else rng.randint(1, 2))
+    children = task.add("child", rng.randint(3, 4) if large else rng.randint(1, 2))
     places = task.add("place", 3 if large else 2, "table") + task.add("place", 1, "kitchen")
     trays = task.add("tray", rng.randint(1, 2))
     spare = rng.randint(0, 1)

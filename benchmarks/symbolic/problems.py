@@ -19,7 +19,7 @@ FOLDER = Path(__file__).parent / "domains"
 DEMOS, TESTS = 12, 10
 SHORTEST, LONGEST = 3, 15
 OPTIMAL = Planner(AStar(max_nodes=20_000))
-GREEDY = Planner(GreedyBestFirst(max_nodes=20_000))
+GREEDY = Planner(GreedyBestFirst(max_nodes=3_000))
 POOL = 40
 """Small problems that are solved to choose the demonstrations from."""
 NEW_KIND = 100
