@@ -1,0 +1,1 @@
+"""Planning-competition-like domains with hidden predicates and noisy candidates: a benchmark of ``pix2pred select``."""
