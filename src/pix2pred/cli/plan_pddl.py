@@ -77,7 +77,11 @@ def _last_line(found: PlanResult) -> str:
 
 
 def _parsed(path: Path, read: Callable[[str], T]) -> T:
+    data = path.read_bytes()
     try:
-        return read(path.read_text(encoding="utf-8"))
-    except (PddlError, UnicodeDecodeError) as error:
+        return read(data.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise RegistryError(f"{path}: line {line}: this is no UTF-8 text; save the file as UTF-8") from error
+    except PddlError as error:
         raise RegistryError(f"{path}: {error}") from error

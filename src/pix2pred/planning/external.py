@@ -109,7 +109,10 @@ class ExternalPlanner:
         if program.returncode != 0 or not lines:
             complaint = err.decode(errors="replace").strip().splitlines() or [f"exit code {program.returncode}"]
             raise ExternalPlannerError(f"planner {self.engine} failed: {complaint[-1]}")
-        answer: dict[str, Any] = json.loads(lines[-1])
+        try:
+            answer: dict[str, Any] = json.loads(lines[-1])
+        except ValueError as error:
+            raise ExternalPlannerError(f"planner {self.engine} failed: its answer cannot be read") from error
         return answer
 
 
