@@ -12,7 +12,8 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from pix2pred.execution import TruthOf
-from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio, Search
+from pix2pred.planning import AStar, ExternalPlanner, GreedyBestFirst, Planner, Portfolio, Search, TaskPlanner
+from pix2pred.planning.external import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
@@ -61,10 +62,16 @@ def load_vlm(spec: str, domain: str | None) -> VLM:
     return OfflineReader(str(domain), ReaderModel.load(reader))
 
 
-def load_planner(name: str, *, distinct: bool = True) -> Planner:
-    """The planner called ``name``; ``distinct`` parameters stand for distinct objects. Raises ``UnknownNameError``."""
+def load_planner(name: str, *, distinct: bool = True, time_limit: float = TIME_LIMIT) -> TaskPlanner:
+    """The planner called ``name``: a search of ours or an engine of others.
+
+    ``distinct`` parameters stand for distinct objects; ``time_limit`` in seconds binds external engines alone. Raises
+    ``UnknownNameError``, or ``ExternalPlannerError`` for an engine that is not installed.
+    """
+    if name in ENGINES:
+        return ExternalPlanner(name, distinct, time_limit)
     if name not in SEARCHES:
-        raise UnknownNameError("planner", name, SEARCHES)
+        raise UnknownNameError("planner", name, (*SEARCHES, *ENGINES))
     return Planner(SEARCHES[name](), distinct=distinct)
 
 

@@ -32,7 +32,9 @@ def solve(
     family: Annotated[str | None, Parameter(help="Family of new tasks [default: the run's].")] = None,
     seed: Annotated[int, Parameter(validator=NOT_NEGATIVE)] = 0,
     count: Annotated[int, Parameter(help="Number of new tasks.", validator=POSITIVE)] = 10,
-    planner: Annotated[str, Parameter(help="portfolio, astar-lmcut or gbfs-ff.")] = "portfolio",
+    planner: Annotated[
+        str, Parameter(help="portfolio, astar-lmcut, gbfs-ff, or an engine of the extra 'planners'.")
+    ] = "portfolio",
     closed_loop: Annotated[bool, Parameter(help="Look after every skill and plan again when needed.")] = False,
     disturb: Annotated[float, Parameter(help="Probability that the scene is disturbed after a skill.")] = 0.0,
     plan_only: Annotated[bool, Parameter(help="Label and plan; execute nothing, need no simulator.")] = False,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pix2pred.execution.diagnosis import TruthOf, correct_labels, wrong_labels
 from pix2pred.execution.episode import ClosedLoop, Outcome, actions_of, open_loop
-from pix2pred.planning import Planner
+from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Abstraction, Labeller
 from pix2pred.structs import AbstractState, Atom, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
 from pix2pred.structs.environment import Environment, StepStatus
@@ -21,7 +21,7 @@ class Solver:
     """
 
     model: WorldModel
-    planner: Planner
+    planner: TaskPlanner
     labeller: Labeller
     closed_loop: bool = False
     max_skills: int = 200
@@ -88,6 +88,10 @@ class Solver:
         """The cause of a failure: labels if true labels would have helped, else the model, as far as can be told."""
         if result.status == PlanStatus.BUDGET:
             return Failure.BUDGET, f"no plan of at most {self.max_skills} skills within the budget of nodes", ()
+        if result.status == PlanStatus.TIMEOUT:
+            return Failure.BUDGET, f"the planner was stopped after {result.seconds:.0f} s", ()
+        if result.status == PlanStatus.NOT_FOUND:
+            return Failure.NO_PLAN, "the planner gave up without a plan and without a proof that there is none", ()
         detail = outcome.detail if outcome else "the goal cannot be reached with the learned operators"
         if outcome and outcome.failure == StepStatus.HORIZON:
             return Failure.HORIZON, detail, ()
@@ -98,7 +102,7 @@ class Solver:
             return cause, detail, ()
         named = tuple(f"{atom} is {value}" for atom, value in sorted(errors.items()))
         better = self._plan_from(task, correct_labels(seen, errors)) if errors else result
-        if better.status == PlanStatus.BUDGET:
+        if better.status not in (PlanStatus.SOLVED, PlanStatus.UNSOLVABLE):
             return Failure.UNDETERMINED, detail, named
         helps = better.status == PlanStatus.SOLVED and open_loop(better.plan, environment).goal_reached
         if errors and helps:

@@ -8,8 +8,9 @@ that of Datalog-based grounding (Helmert, "Concise finite-domain representations
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import AbstractState, Atom, LiftedAtom, Object, Operator, Predicate
@@ -57,6 +58,18 @@ def ground(
     return _Grounder(operators, objects, distinct=distinct, budget=budget).run(initial, goal)
 
 
+@dataclass(frozen=True, slots=True)
+class _Table:
+    """The known facts of one predicate by their arguments at some positions."""
+
+    key: Callable[[Sequence[int]], object]
+    rows: dict[object, list[Fact]]
+
+    def insert(self, fact: Fact) -> None:
+        """Enter a new fact."""
+        self.rows.setdefault(self.key(fact), []).append(fact)
+
+
 class _Schema:
     """An operator with predicates and parameters as numbers."""
 
@@ -74,19 +87,9 @@ class _Schema:
         self.pre = numbered(operator.preconditions)
         self.add = numbered(operator.add)
         self.delete = numbered(operator.delete)
-        self.join_orders = [self._join_order(i) for i in range(len(self.pre))]
-
-    def _join_order(self, first: int) -> list[tuple[Fact, tuple[int, ...]]]:
-        """The other preconditions, the most bound next, each with its argument positions bound by then."""
-        bound = set(self.pre[first][1:])
-        rest = [p for i, p in enumerate(self.pre) if i != first]
-        order = []
-        while rest:
-            best = min(rest, key=lambda p: (len(set(p[1:]) - bound), rest.index(p)))
-            rest.remove(best)
-            order.append((best, tuple(i for i, v in enumerate(best[1:], start=1) if v in bound)))
-            bound |= set(best[1:])
-        return order
+        self.binds = tuple(sum(1 << v for v in set(p[1:])) for p in self.pre)
+        self.access: dict[tuple[int, int], tuple[_Table, Callable[[Sequence[int]], object]]] = {}
+        """(precondition, bound parameters as bits): the table to look in, and the key that a binding gives."""
 
 
 class _Grounder:
@@ -103,14 +106,10 @@ class _Grounder:
                 if v.type not in by_type:
                     by_type[v.type] = frozenset(i for i, o in enumerate(self.objects) if o.type.is_a(v.type))
         self.schemas = [_Schema(op, self.predicate_ids, [by_type[v.type] for v in op.parameters]) for op in operators]
-        self.facts: dict[Fact, int] = {}
+        self.facts: dict[Fact, None] = {}
+        self.queue: list[Fact] = []
         self.instances: dict[tuple[int, tuple[int, ...]], None] = {}
-        self.patterns: dict[int, set[tuple[int, ...]]] = defaultdict(set)
-        for schema in self.schemas:
-            for order in schema.join_orders:
-                for precondition, positions in order:
-                    self.patterns[precondition[0]].add(positions)
-        self.index: dict[tuple[int, tuple[int, ...], tuple[int, ...]], list[Fact]] = defaultdict(list)
+        self.tables: dict[int, dict[tuple[int, ...], _Table]] = defaultdict(dict)
         self.triggers: dict[int, list[tuple[int, int]]] = defaultdict(list)
         for s, schema in enumerate(self.schemas):
             for i, precondition in enumerate(schema.pre):
@@ -129,42 +128,64 @@ class _Grounder:
 
         initial_facts = [number(a) for a in sorted(initial)]
         goal_facts = [number(a) for a in sorted(goal)]
-        queue = list(dict.fromkeys(initial_facts))
+        self.queue.extend(dict.fromkeys(initial_facts))
         for s, schema in enumerate(self.schemas):
             if not schema.pre:
-                self._complete(s, [-1] * len(schema.allowed), queue)
-        head = 0
-        while head < len(queue):
-            fact = queue[head]
-            head += 1
+                self._complete(s, [-1] * len(schema.allowed))
+        for fact in self.queue:  # grows while it is worked off
             if fact not in self.facts:
-                self.facts[fact] = len(self.facts)
-                for positions in self.patterns[fact[0]]:
-                    self.index[fact[0], positions, tuple(fact[i] for i in positions)].append(fact)
+                self.facts[fact] = None
+                for table in self.tables[fact[0]].values():
+                    table.insert(fact)
                 for s, i in self.triggers[fact[0]]:
-                    self._join(s, i, fact, queue)
+                    self._join(s, i, fact)
         return self._task(initial_facts, goal_facts)
 
-    def _join(self, s: int, i: int, fact: Fact, queue: list[Fact]) -> None:
+    def _join(self, s: int, i: int, fact: Fact) -> None:
         """Instances of schema ``s`` whose precondition ``i`` is ``fact``, all others known."""
         schema = self.schemas[s]
         binding = [-1] * len(schema.allowed)
         if self._bind(schema, schema.pre[i], fact, binding):
-            for complete in self._extend(schema, schema.join_orders[i], 0, binding):
-                self._complete(s, complete, queue)
+            rest = tuple(k for k in range(len(schema.pre)) if k != i)
+            self._extend(s, rest, schema.binds[i], binding)
 
-    def _extend(
-        self, schema: _Schema, order: list[tuple[Fact, tuple[int, ...]]], k: int, binding: Binding
-    ) -> Iterator[Binding]:
-        if k == len(order):
-            yield binding
+    def _extend(self, s: int, rest: tuple[int, ...], bound: int, binding: Binding) -> None:
+        """Match the preconditions ``rest``, the one with the fewest matches first: counted, not guessed."""
+        if not rest:
+            self._complete(s, binding)
             return
-        precondition, positions = order[k]
-        key = (precondition[0], positions, tuple(binding[precondition[i]] for i in positions))
-        for fact in self.index.get(key, ()):
+        schema = self.schemas[s]
+        best, fewest = -1, None
+        for k in rest:
+            table, key = schema.access.get((k, bound)) or self._access(schema, k, bound)
+            rows = table.rows.get(key(binding))
+            if rows is None:
+                return
+            if fewest is None or len(rows) < len(fewest):
+                best, fewest = k, rows
+        assert fewest is not None, "there is a precondition left"
+        precondition = schema.pre[best]
+        left = tuple(k for k in rest if k != best)
+        if bound | schema.binds[best] == bound:
+            self._extend(s, left, bound, binding)
+            return
+        for fact in fewest:
             extended = binding.copy()
             if self._bind(schema, precondition, fact, extended):
-                yield from self._extend(schema, order, k + 1, extended)
+                self._extend(s, left, bound | schema.binds[best], extended)
+
+    def _access(self, schema: _Schema, k: int, bound: int) -> tuple[_Table, Callable[[Sequence[int]], object]]:
+        """Where to look for matches of precondition ``k`` when the parameters ``bound`` are; made when first needed."""
+        predicate, *variables = schema.pre[k]
+        positions = tuple(i for i, v in enumerate(variables, start=1) if bound >> v & 1)
+        tables = self.tables[predicate]
+        if positions not in tables:
+            tables[positions] = _Table(_pick(positions), {})
+            for fact in self.facts:
+                if fact[0] == predicate:
+                    tables[positions].insert(fact)
+        schema.access[k, bound] = tables[positions], _pick(tuple(variables[i - 1] for i in positions))
+        return schema.access[k, bound]
 
     def _bind(self, schema: _Schema, precondition: Fact, fact: Fact, binding: Binding) -> bool:
         """Match ``precondition`` with ``fact``, extending ``binding`` in place; False when they do not fit."""
@@ -177,14 +198,14 @@ class _Grounder:
                 return False
         return True
 
-    def _complete(self, s: int, binding: Binding, queue: list[Fact]) -> None:
+    def _complete(self, s: int, binding: Binding) -> None:
         """Bind the parameters that no precondition mentions to every fitting object; record the instances."""
         schema = self.schemas[s]
         if -1 in binding:
             variable = binding.index(-1)
             for value in sorted(schema.allowed[variable]):
                 if not (self.distinct and value in binding):
-                    self._complete(s, [*binding[:variable], value, *binding[variable + 1 :]], queue)
+                    self._complete(s, [*binding[:variable], value, *binding[variable + 1 :]])
             return
         instance = (s, tuple(binding))
         if instance in self.instances:
@@ -195,7 +216,7 @@ class _Grounder:
         for effect in schema.add:
             fact = (effect[0], *(binding[v] for v in effect[1:]))
             if fact not in self.facts:
-                queue.append(fact)
+                self.queue.append(fact)
 
     def _task(self, initial: list[Fact], goal: list[Fact]) -> GroundTask:
         """Number facts and operators independently of the order in which they were found."""
@@ -225,3 +246,8 @@ class _Grounder:
             tuple((self.schemas[s].operator, tuple(self.objects[i] for i in b)) for s, b in instances),
             all(f in bit for f in goal),
         )
+
+
+def _pick(positions: tuple[int, ...]) -> Callable[[Sequence[int]], object]:
+    """A function that gives the values at ``positions``."""
+    return itemgetter(*positions) if positions else lambda _: ()

@@ -1,19 +1,30 @@
 """Reading typed STRIPS PDDL, with errors that name the line.
 
 Covers what the project writes and the published domains use: ``:strips``, ``:typing``, ``:equality`` for distinct
-parameters, ``:constants``. Own code because the parsers found either refuse the built-in type ``object`` in a
-predicate (``pddl`` 0.5) or weigh a planning framework (``unified-planning``), and none reports lines for such errors.
+parameters, ``:constants`` outside actions. Action costs are read over: every action counts one. Everything else is an
+error. Own code because the parsers found either refuse the built-in type ``object`` in a predicate (``pddl`` 0.5) or
+weigh a planning framework (``unified-planning``), and none reports lines for such errors.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 from typing import TypeVar
 
-from pix2pred.planning.pddl_syntax import Group, PddlError, Word, as_group, as_word, parse, typed_list
+from pix2pred.planning.pddl_parts import (
+    RESERVED,
+    action_parts,
+    conjuncts,
+    declared,
+    initial_facts,
+    items,
+    negated,
+    sections,
+)
+from pix2pred.planning.pddl_syntax import Group, PddlError, Word, as_group, as_word
 from pix2pred.structs import (
     AbstractState,
     Atom,
@@ -29,8 +40,10 @@ from pix2pred.structs import (
 
 T = TypeVar("T")
 
+MAX_TYPE_DEPTH = 100
+
 _TABLE = re.compile(r"^\s*;@ name (\w+) (\S+) (.+?)\s*$", re.MULTILINE)
-_SKILL = re.compile(r"^\s*;@ skill (\S+) (\d+) (.+?)\s*$", re.MULTILINE)
+_SKILL = re.compile(r"^\s*;@ skill (\S+) (\d{1,9}) (.+?)\s*$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +59,8 @@ class PddlDomain:
     predicates: tuple[Predicate, ...]
     operators: tuple[Operator, ...]
     distinct: bool
+    names: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    """Original names by kind and PDDL form, where the two differ; problems may use either."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,39 +80,59 @@ def read_domain(text: str) -> PddlDomain:
 
 def read_problem(text: str, domain: PddlDomain) -> PddlProblem:
     """Read a problem of ``domain``. Raises ``PddlError``."""
-    sections = _sections(text, "problem")
-    table = _original_names(text)
+    found = sections(text, "problem")
+    table = {**domain.names, **_original_names(text)}
+    _check_domain(found, table, domain)
     types = {t.name: t for t in domain.types} | {"object": _root(domain.types)}
     things = {o.name: o for o in domain.constants}
-    for word, type_word in typed_list(_rest(sections.get("objects"))):
+    for word, type_word in declared(items(found, ":objects"), "object"):
         name = table.get(("object", word.text), word.text)
+        if name in things:
+            raise PddlError(word.line, f"object {word.text} is declared twice")
         things[name] = Object(name, _look_up(types, table, "type", type_word), name)
     predicates = {p.name: p for p in domain.predicates}
 
-    def atom(node: Word | Group) -> Atom:
-        group = as_group(node)
+    def atom(group: Group) -> Atom:
         predicate = _look_up(predicates, table, "predicate", as_word(group.items[0] if group.items else group))
         args = tuple(_look_up(things, table, "object", as_word(i)) for i in group.items[1:])
         _check_arguments(group, predicate, [o.type for o in args])
         return Atom(predicate, args)
 
-    initial = frozenset(atom(node) for node in _rest(sections.get("init")) if not _is_cost(node))
-    if "goal" not in sections:
-        raise PddlError(1, "the problem has no :goal")
-    wanted = _rest(sections["goal"])
+    initial = frozenset(atom(group) for group in initial_facts(items(found, ":init")))
+    wanted = items(found, ":goal")
     if len(wanted) != 1:
-        raise PddlError(sections["goal"].line, ":goal takes one condition")
-    goal = tuple(atom(node) for node in _conjuncts(wanted[0]))
+        raise PddlError(found[":goal"][0].line, ":goal takes one condition")
+    goal = []
+    for group in conjuncts(as_group(wanted[0])):
+        if group.head == "not":
+            negated(group)
+            raise PddlError(group.line, "negative goals are not supported")
+        goal.append(atom(group))
     if any(a.predicate == UNEQUAL for op in domain.operators for a in op.preconditions):
         initial |= {Atom(UNEQUAL, pair) for pair in permutations(sorted(things.values()), 2)}
-    return PddlProblem(as_word(sections["problem"].items[1]).text, tuple(sorted(things.values())), initial, goal)
+    return PddlProblem(as_word(found["problem"][0].items[1]).text, tuple(sorted(things.values())), initial, tuple(goal))
+
+
+def _check_domain(found: dict[str, list[Group]], table: Mapping[tuple[str, str], str], domain: PddlDomain) -> None:
+    """Whether a problem has all it needs and is one of ``domain``."""
+    for keyword in (":domain", ":init", ":goal"):
+        if keyword not in found:
+            raise PddlError(found["problem"][0].line, f"the problem has no {keyword}")
+    group = found[":domain"][0]
+    if len(group.items) != 2:
+        raise PddlError(group.line, "(:domain ...) takes one name")
+    word = as_word(group.items[1])
+    if table.get(("domain", word.text), word.text) != domain.name:
+        raise PddlError(word.line, f"this is a problem of the domain {word.text}, not of {domain.name}")
 
 
 class _DomainReader:
     def __init__(self, text: str) -> None:
-        self._sections = _sections(text, "domain")
+        self._sections = sections(text, "domain")
         self._table = _original_names(text)
         self._skills = {m[0]: (int(m[1]), m[2].split()) for m in _SKILL.findall(text)}
+        self._declared: set[str] = set()
+        self._actions: set[str] = set()
         self._unequal: list[tuple[set[frozenset[str]], bool]] = []
 
     def read(self) -> PddlDomain:
@@ -106,37 +141,43 @@ class _DomainReader:
         self._type_of = {t.name: t for t in types} | {"object": _root(types)}
         constants = tuple(
             Object(self._original("object", w.text), self._type(t), w.text)
-            for w, t in typed_list(_rest(self._sections.get("constants")))
+            for w, t in declared(items(self._sections, ":constants"), "constant")
         )
         self._constants = {o.name for o in constants}
-        predicates = [self._predicate(as_group(node)) for node in _rest(self._sections.get("predicates"))]
+        predicates = [self._predicate(as_group(node)) for node in items(self._sections, ":predicates")]
         self._predicates = {p.name: p for p in predicates}
-        actions = [section for section in self._sections["domain"].items[2:] if as_group(section).head == ":action"]
-        operators = tuple(self._operator(as_group(a)) for a in actions)
+        operators = tuple(self._operator(a) for a in self._sections.get(":action", ()))
         distinct = all(complete for _, complete in self._unequal)
         if not distinct:
             operators = tuple(_with_inequalities(op, u) for op, (u, _) in zip(operators, self._unequal, strict=True))
-        name = self._original("domain", as_word(as_group(self._sections["domain"].items[1]).items[1]).text)
-        return PddlDomain(name, types, constants, tuple(sorted(predicates)), operators, distinct)
+        name = self._original("domain", as_word(self._sections["domain"][0].items[1]).text)
+        return PddlDomain(name, types, constants, tuple(sorted(predicates)), operators, distinct, self._table)
 
     def _original(self, kind: str, form: str) -> str:
         return self._table.get((kind, form), form)
 
     def _types(self) -> tuple[Type, ...]:
         parents: dict[str, Word] = {}
-        for word, parent in typed_list(_rest(self._sections.get("types"))):
+        for word, parent in declared(items(self._sections, ":types"), "type"):
             if word.text != "object":
                 parents[word.text] = parent
         root = Type("object")
         built: dict[str, Type] = {"object": root}
+        depth = {"object": 0}
 
         def build(name: str, below: tuple[str, ...]) -> Type:
+            if len(below) > MAX_TYPE_DEPTH:
+                raise PddlError(parents[name].line, f"types are nested more than {MAX_TYPE_DEPTH} deep")
             if name in below:
                 raise PddlError(parents[name].line, f"type {name} is its own ancestor")
             if name not in built:
                 parent = parents[name]
-                known = parent.text == "object" or parent.text in parents
-                above = build(parent.text, (*below, name)) if known else Type(parent.text, parent=root)
+                if parent.text != "object" and parent.text not in parents:
+                    raise PddlError(parent.line, f"type {parent.text} is not declared")
+                above = build(parent.text, (*below, name))
+                depth[name] = depth[parent.text] + 1
+                if depth[name] > MAX_TYPE_DEPTH:
+                    raise PddlError(parent.line, f"types are nested more than {MAX_TYPE_DEPTH} deep")
                 built[name] = Type(self._original("type", name), parent=above)
             return built[name]
 
@@ -146,13 +187,22 @@ class _DomainReader:
         return _look_up(self._type_of, self._table, "type", word)
 
     def _predicate(self, group: Group) -> Predicate:
-        name = self._original("predicate", as_word(group.items[0] if group.items else group).text)
-        return Predicate(name, tuple(self._type(t) for _, t in typed_list(group.items[1:])), FromDomain())
+        word = as_word(group.items[0] if group.items else group)
+        if word.text in RESERVED:
+            raise PddlError(word.line, f"{word.text} cannot name a predicate")
+        if word.text in self._declared:
+            raise PddlError(word.line, f"predicate {word.text} is declared twice")
+        self._declared.add(word.text)
+        types = tuple(self._type(t) for _, t in declared(group.items[1:], "variable"))
+        return Predicate(self._original("predicate", word.text), types, FromDomain())
 
     def _operator(self, group: Group) -> Operator:
-        form = _second(group).text
-        parts = {as_word(key).text: value for key, value in zip(group.items[2::2], group.items[3::2], strict=False)}
-        parameters = typed_list(as_group(parts[":parameters"]).items) if ":parameters" in parts else ()
+        word, parts = action_parts(group)
+        form = word.text
+        if form in self._actions:
+            raise PddlError(word.line, f"action {form} is declared twice")
+        self._actions.add(form)
+        parameters = declared(parts[":parameters"].items, "variable") if ":parameters" in parts else ()
         variables = {w.text: Variable(w.text, self._type(t)) for w, t in parameters}
         pre, unequal = self._conditions(parts.get(":precondition"), variables)
         add, delete = self._effects(parts.get(":effect"), variables)
@@ -169,27 +219,34 @@ class _DomainReader:
         return Operator(name, tuple(variables.values()), pre, add, delete - add, behind, args, support)
 
     def _conditions(
-        self, node: Word | Group | None, variables: dict[str, Variable]
+        self, node: Group | None, variables: dict[str, Variable]
     ) -> tuple[frozenset[LiftedAtom], set[frozenset[str]]]:
         atoms, unequal = set(), set()
-        for part in _conjuncts(node):
+        for part in conjuncts(node):
             if part.head == "not":
-                inner = _negated(part)
-                if inner.head != "=":
-                    raise PddlError(part.line, "negative preconditions other than (not (= ?a ?b)) are not supported")
-                unequal.add(frozenset(as_word(i).text for i in inner.items[1:]))
+                unequal.add(self._different(part, variables))
             else:
                 atoms.add(self._lifted(part, variables))
         return frozenset(atoms), unequal
 
+    def _different(self, part: Group, variables: dict[str, Variable]) -> frozenset[str]:
+        """The two parameters of ``(not (= ?a ?b))``."""
+        inner = negated(part)
+        if inner.head != "=":
+            raise PddlError(part.line, "negative preconditions other than (not (= ?a ?b)) are not supported")
+        words = [self._parameter(i, variables) for i in inner.items[1:]]
+        if len(words) != 2 or words[0] == words[1]:
+            raise PddlError(inner.line, "(not (= ...)) takes two different parameters")
+        return frozenset(words)
+
     def _effects(
-        self, node: Word | Group | None, variables: dict[str, Variable]
+        self, node: Group | None, variables: dict[str, Variable]
     ) -> tuple[frozenset[LiftedAtom], frozenset[LiftedAtom]]:
         add, delete = set(), set()
-        for part in _conjuncts(node):
+        for part in conjuncts(node):
             if part.head == "not":
-                delete.add(self._lifted(_negated(part), variables))
-            elif part.head != "increase":
+                delete.add(self._lifted(negated(part), variables))
+            else:
                 add.add(self._lifted(part, variables))
         return frozenset(add), frozenset(delete)
 
@@ -197,14 +254,17 @@ class _DomainReader:
         predicate = _look_up(
             self._predicates, self._table, "predicate", as_word(group.items[0] if group.items else group)
         )
-        words = [as_word(i) for i in group.items[1:]]
-        for word in words:
-            if word.text not in variables:
-                kind = "constants in actions are not supported" if word.text in self._constants else "is no parameter"
-                raise PddlError(word.line, f"{word.text}: {kind}")
-        args = tuple(variables[w.text] for w in words)
+        args = tuple(variables[self._parameter(i, variables)] for i in group.items[1:])
         _check_arguments(group, predicate, [v.type for v in args])
         return LiftedAtom(predicate, args)
+
+    def _parameter(self, node: Word | Group, variables: dict[str, Variable]) -> str:
+        """The name of a parameter, checked."""
+        word = as_word(node)
+        if word.text not in variables:
+            kind = "constants in actions are not supported" if word.text in self._constants else "is no parameter"
+            raise PddlError(word.line, f"{word.text}: {kind}")
+        return word.text
 
 
 UNEQUAL = Predicate("=/=", (Type("object"), Type("object")), FromDomain())
@@ -215,18 +275,6 @@ def _with_inequalities(operator: Operator, pairs: set[frozenset[str]]) -> Operat
     by_name = {v.name: v for v in operator.parameters}
     atoms = {LiftedAtom(UNEQUAL, tuple(by_name[n] for n in sorted(pair))) for pair in pairs if len(pair) == 2}
     return replace(operator, preconditions=operator.preconditions | atoms)
-
-
-def _negated(group: Group) -> Group:
-    if len(group.items) != 2:
-        raise PddlError(group.line, "(not ...) takes one condition")
-    return as_group(group.items[1])
-
-
-def _second(group: Group) -> Word:
-    if len(group.items) < 2:
-        raise PddlError(group.line, f"{group.head} needs a name")
-    return as_word(group.items[1])
 
 
 def _overlapping(variables: Sequence[Variable]) -> set[frozenset[str]]:
@@ -250,7 +298,7 @@ def _root(types: Sequence[Type]) -> Type:
     return next((t for t in types if t.name == "object"), Type("object"))
 
 
-def _look_up(known: dict[str, T], table: dict[tuple[str, str], str], kind: str, word: Word) -> T:
+def _look_up(known: Mapping[str, T], table: Mapping[tuple[str, str], str], kind: str, word: Word) -> T:
     name = table.get((kind, word.text), word.text)
     if name not in known:
         raise PddlError(word.line, f"{kind} {word.text} is not declared")
@@ -259,33 +307,3 @@ def _look_up(known: dict[str, T], table: dict[tuple[str, str], str], kind: str, 
 
 def _original_names(text: str) -> dict[tuple[str, str], str]:
     return {(kind, form): name for kind, form, name in _TABLE.findall(text)}
-
-
-def _sections(text: str, kind: str) -> dict[str, Group]:
-    """The parts of a definition by keyword; ``kind`` holds the whole definition under its own name."""
-    top = parse(text)
-    if top.head != "define" or len(top.items) < 2 or as_group(top.items[1]).head != kind:
-        raise PddlError(top.line, f"expected (define ({kind} NAME) ...)")
-    if len(as_group(top.items[1]).items) != 2:
-        raise PddlError(top.line, f"({kind} ...) takes one name")
-    parts = {as_group(node).head.lstrip(":"): as_group(node) for node in top.items[2:]}
-    whole = top if kind == "domain" else as_group(top.items[1])
-    return parts | {kind: whole}
-
-
-def _conjuncts(node: Word | Group | None) -> Iterator[Group]:
-    if node is None:
-        return
-    group = as_group(node)
-    if group.head == "and":
-        yield from (as_group(item) for item in group.items[1:])
-    elif group.items:
-        yield group
-
-
-def _rest(group: Group | None) -> Sequence[Word | Group]:
-    return group.items[1:] if group else ()
-
-
-def _is_cost(node: Word | Group) -> bool:
-    return isinstance(node, Group) and node.head == "="

@@ -14,7 +14,8 @@ class PddlError(ValueError):
     """A text that is not PDDL of the supported kind; the message starts with the line."""
 
     def __init__(self, line: int, message: str) -> None:
-        super().__init__(f"line {line}: {message}")
+        shown = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in message)
+        super().__init__(f"line {line}: {shown}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +85,8 @@ def typed_list(items: Sequence[Word | Group]) -> Iterator[tuple[Word, Word]]:
         type_item = next(words, None)
         if type_item is None:
             raise PddlError(word.line, "a type is missing after '-'")
+        if isinstance(type_item, Group) and type_item.head == "either":
+            raise PddlError(type_item.line, "(either ...) is not supported; give the types a common parent")
         yield from ((name, as_word(type_item)) for name in pending)
         pending = []
     yield from ((name, Word("object", name.line)) for name in pending)

@@ -21,6 +21,16 @@ class SearchResult:
     nodes: int
 
 
+class TaskPlanner(Protocol):
+    """What makes plans: ``Planner`` around a search of ours, or ``ExternalPlanner``."""
+
+    def plan(
+        self, operators: Sequence[Operator], objects: Iterable[Object], initial: AbstractState, goal: Iterable[Atom]
+    ) -> PlanResult:
+        """Look for a plan from ``initial`` to a state that contains ``goal``."""
+        ...
+
+
 class Search(Protocol):
     """A search algorithm: A*, greedy best-first, a portfolio of both."""
 

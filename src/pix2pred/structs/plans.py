@@ -10,20 +10,28 @@ from pix2pred.structs.predicates import Atom
 
 
 class PlanStatus(StrEnum):
-    """How a search ended. Not found and not findable are different things."""
+    """How a search ended. Not found and not findable are different things.
+
+    NOT_FOUND (an incomplete search came to its end) and TIMEOUT occur with external planners alone.
+    """
 
     SOLVED = "solved"
     UNSOLVABLE = "unsolvable"
     BUDGET = "budget"
+    NOT_FOUND = "not found"
+    TIMEOUT = "timeout"
 
 
 @dataclass(frozen=True, slots=True)
 class PlanResult:
-    """The outcome of planning; ``nodes`` counts created search nodes, ``seconds`` is wall time (never decides)."""
+    """The outcome of planning; ``nodes`` counts created search nodes (``None``: an external planner does not tell).
+
+    ``seconds`` is wall time; it decides nothing except an external planner's TIMEOUT.
+    """
 
     status: PlanStatus
     plan: tuple[GroundOperator, ...]
-    nodes: int
+    nodes: int | None
     seconds: float
 
 
@@ -64,7 +72,7 @@ class Episode:
     steps: tuple[ExecutedStep, ...]
     labels: tuple[Atom, ...]
     label_errors: tuple[str, ...]
-    nodes: int
+    nodes: int | None
     replans: int = 0
 
     @property
