@@ -205,7 +205,7 @@ class _Model:
     def __init__(self, chains: _Chains, kin: Ints, guess: float) -> None:
         self._chains = chains
         self._guess = guess
-        self._kin = kin
+        self._member: Floats = (kin[:, None] == np.arange(kin.max() + 1)).astype(float)
         n, places = len(chains.predicates), len(kin)
         self.rates: Floats = np.full(n, guess)
         self._up: Floats = np.full((n, places), 0.2)
@@ -283,9 +283,7 @@ class _Model:
 
     def _of_kin(self, counts: Floats) -> Floats:
         """Counts summed over places of the same kin, at each of these places."""
-        pooled = np.zeros((*counts.shape[:-1], int(self._kin.max()) + 1))
-        np.add.at(pooled, (..., self._kin), counts)
-        return pooled[..., self._kin]
+        return np.asarray(counts @ self._member @ self._member.T)
 
     def _settle(self, counts: Floats, choices: int) -> None:
         """Choose among the first ``choices`` effects at every place by penalised likelihood."""
@@ -307,12 +305,13 @@ class _Model:
         slip = np.maximum(SLIP, self.rates)[:, None]
         miss, hit = np.log(slip), np.log(1 - slip)
         penalty = 0.5 * np.log(counts.sum((0, 1)) + 1)
-        return np.stack([
+        scores: Floats = np.stack([
             (rise + fall) * miss + (stay0 + stay1) * hit,
             (stay0 + fall) * miss + (rise + stay1) * hit - penalty - 1,
             (stay1 + rise) * miss + (fall + stay0) * hit - penalty - 1,
             _log_likelihood(stay0, rise) + _log_likelihood(stay1, fall) - 2 * penalty - 3,
         ])  # fmt: skip
+        return scores
 
     def _settle_before(self) -> None:
         """Where an atom is always, or never, true before a transition, as far as its wrong labels allow to say (BIC).
