@@ -1,20 +1,24 @@
 """From labels to operators and selected predicates. Nothing here asks a model or sees a picture."""
 
 from pix2pred.learning.document import selection_document
-from pix2pred.learning.engines import hill_climbing, learn_operators, operator_learner, skeleton_search, tie_rule
-from pix2pred.learning.selection import HillClimbing, RunnerUp, Selection, Step, TieRule
+from pix2pred.learning.engines import climbing_rule, hill_climbing, learn_operators, operator_learner, skeleton_search
+from pix2pred.learning.rules import ClimbingRule, Explained, Published
+from pix2pred.learning.selection import HillClimbing, RunnerUp, Selection, Step
 from pix2pred.learning.settings import LearningSettings
 from pix2pred.learning.traces import Traces, TracesError, dump_traces, load_traces
 
 __all__ = [
+    "ClimbingRule",
+    "Explained",
     "HillClimbing",
     "LearningSettings",
+    "Published",
     "RunnerUp",
     "Selection",
     "Step",
-    "TieRule",
     "Traces",
     "TracesError",
+    "climbing_rule",
     "dump_traces",
     "hill_climbing",
     "learn_operators",
@@ -22,5 +26,4 @@ __all__ = [
     "operator_learner",
     "selection_document",
     "skeleton_search",
-    "tie_rule",
 ]

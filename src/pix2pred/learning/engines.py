@@ -9,7 +9,8 @@ from pix2pred.learning.learner import ClusterAndIntersect, OperatorLearner
 from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
 from pix2pred.learning.robust import Robust
-from pix2pred.learning.selection import HillClimbing, TieRule
+from pix2pred.learning.rules import ClimbingRule, Explained, Published
+from pix2pred.learning.selection import HillClimbing
 from pix2pred.learning.settings import LearningSettings
 from pix2pred.structs import Operator, TruthTable
 
@@ -31,7 +32,7 @@ def learn_operators(table: TruthTable, settings: LearningSettings) -> tuple[Oper
 
 def hill_climbing(table: TruthTable, settings: LearningSettings) -> HillClimbing:
     """Selection as ``settings`` ask for."""
-    return HillClimbing(operator_learner(table, settings), settings, skeleton_search(settings), tie_rule(settings))
+    return HillClimbing(operator_learner(table, settings), skeleton_search(settings), climbing_rule(settings))
 
 
 def skeleton_search(settings: LearningSettings) -> SkeletonSearch:
@@ -41,6 +42,12 @@ def skeleton_search(settings: LearningSettings) -> SkeletonSearch:
     return Grouped(settings.max_plans, settings.node_budget)
 
 
-def tie_rule(settings: LearningSettings) -> TieRule:
-    """Which near-equal candidate wins: the published rule with ``exact-tree``, else within one search node."""
-    return TieRule(0.0 if settings.engine == "exact-tree" else 1.0)
+def climbing_rule(settings: LearningSettings) -> ClimbingRule:
+    """When to stop and what to take: with robust operators nothing to tune, otherwise the published rules.
+
+    Near-equal candidates compete within one search node, except with ``exact-tree``.
+    """
+    if settings.operators == "robust":
+        return Explained()
+    margin = 0.0 if settings.engine == "exact-tree" else 1.0
+    return Published(settings.early_stop, settings.j_threshold, margin)

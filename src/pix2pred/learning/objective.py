@@ -19,9 +19,11 @@ W_PRED = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """J of a predicate set; a lower bound when ``exact`` is False. ``demos`` holds J_d where it was computed."""
+    """J of a predicate set; a lower bound when ``exact`` is False. ``demos`` holds J_d where it was computed,
+    ``charges`` is the part of J that is neither nodes nor the cost of predicates."""
 
     total: float
+    charges: float
     exact: bool
     demos: tuple[float | None, ...]
     budget_hits: int
@@ -35,12 +37,14 @@ class PartialSum:
     operators: Sequence[Schema]
     total: float
     demos: list[float | None]
+    charges: float = 0.0
     exact: bool = True
     budget_hits: int = 0
 
     def add(self, d: int, score: DemoScore) -> None:
         """Account for demonstration ``d``."""
         self.total += score.value
+        self.charges += score.charges
         self.demos[d] = score.value
         self.exact &= score.exact
         self.budget_hits += score.budget_hit
@@ -52,7 +56,7 @@ class PartialSum:
 
     def score(self) -> Score:
         """The sum as it stands."""
-        return Score(self.total, self.complete, tuple(self.demos), self.budget_hits)
+        return Score(self.total, self.charges, self.complete, tuple(self.demos), self.budget_hits)
 
 
 class Objective:

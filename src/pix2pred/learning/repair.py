@@ -323,7 +323,8 @@ class _Model:
         index, size = self._index.ravel(), self._before.size
 
         def by_place(values: Floats) -> Floats:
-            return np.bincount(index, values.ravel(), size)
+            sums: Floats = np.bincount(index, values.ravel(), size).astype(np.float64)
+            return sums
 
         total = by_place(np.ones_like(true))
         share = by_place(true) / np.maximum(total, 1)
@@ -369,4 +370,5 @@ class _Model:
 def _log_likelihood(a: Floats, b: Floats) -> Floats:
     """Maximal log-likelihood of ``a`` and ``b`` (expected) outcomes of two kinds."""
     n = np.maximum(a + b, 1e-9)
-    return np.asarray(a * np.log(np.maximum(a, 1e-9) / n) + b * np.log(np.maximum(b, 1e-9) / n))
+    likelihood: Floats = a * np.log(np.maximum(a, 1e-9) / n) + b * np.log(np.maximum(b, 1e-9) / n)
+    return likelihood

@@ -90,6 +90,14 @@ class Robust:
             for change, members in parts.items()
         ]
 
+    def doubt(self, candidate: int) -> float:
+        """See ``OperatorLearner``."""
+        return self._repaired.surprise[candidate]
+
+    def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
+        """See ``OperatorLearner``."""
+        return self.doubt(chosen[-1])
+
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
         """See ``OperatorLearner``."""
         return [

@@ -6,12 +6,11 @@ import heapq
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning.clustering import Partition
 from pix2pred.learning.learner import OperatorLearner
 from pix2pred.learning.objective import Objective, Score
 from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
-from pix2pred.learning.settings import LearningSettings
+from pix2pred.learning.rules import ClimbingRule, Scored
 from pix2pred.structs import Operator, Predicate
 
 Progress = Callable[[int, int, str], None]
@@ -57,61 +56,12 @@ class Selection:
     budget_hits: int
 
 
-@dataclass(frozen=True, slots=True)
-class TieRule:
-    """Which of several near-equal candidates wins: those within ``margin`` of the smallest J compete.
-
-    ``margin`` 0 is the published rule, strict minimum, first by name.
-    """
-
-    margin: float
-
-    def choose(self, learner: OperatorLearner, scored: Sequence[_Scored]) -> _Scored:
-        """The winner: cheapest, then best explained by its own operators, then first by name.
-
-        A visual predicate costs its number of arguments; feature and quantified predicates cost more.
-        """
-        smallest = min(s.score.total for s in scored)
-        rivals = [s for s in scored if s.score.total <= smallest + self.margin]
-        if self.margin == 0 or len(rivals) == 1:
-            return rivals[0]
-        return min(rivals, key=lambda s: (learner.data.cost(s.predicate), _disagreements(learner, s)))
-
-
-@dataclass(frozen=True, slots=True)
-class _Scored:
-    """A candidate added to the current set, with the refined partition and its score."""
-
-    predicate: int
-    chosen: tuple[int, ...]
-    classes: Partition
-    score: Score
-
-
-def _disagreements(learner: OperatorLearner, candidate: _Scored) -> int:
-    """Labels that the operators learned with a candidate do not account for.
-
-    Counts transitions of dropped classes and members in which a precondition over the candidate does not hold.
-    """
-    data = learner.data
-    predicates = (*range(data.initial), *candidate.chosen)
-    kept = learner.schemas(candidate.classes, predicates)
-    count = len(data.transitions) - sum(len(s.cls.members) for s in kept)
-    for schema in kept:
-        before = schema.cls.counts_before(data, candidate.predicate)
-        count += sum(len(schema.cls.members) - before[v] for p, v in schema.pre if p == candidate.predicate)
-    return count
-
-
 class HillClimbing:
     """Greedy forward selection from the initial predicates alone."""
 
-    def __init__(
-        self, learner: OperatorLearner, settings: LearningSettings, search: SkeletonSearch, ties: TieRule
-    ) -> None:
+    def __init__(self, learner: OperatorLearner, search: SkeletonSearch, rule: ClimbingRule) -> None:
         self._learner = learner
-        self._settings = settings
-        self._ties = ties
+        self._rule = rule
         self._data = learner.data
         self._objective = Objective(learner, search)
         self._representatives = self._distinct_columns()
@@ -123,17 +73,17 @@ class HillClimbing:
         initial = tuple(range(data.initial))
         classes = self._learner.partition(initial)
         score = self._objective.score((), classes)
-        current = _Scored(-1, (), classes, score)
+        current = Scored(-1, (), classes, score)
         self._evaluations = self._scored = 1
         self._budget_hits = score.budget_hits
         steps = [Step(None, score.total, score.demos, ())]
-        while not self._stop(current.score.total):
+        while not self._rule.finished(current.score):
             scored = self._expand(current, progress)
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
                 break
-            best = self._ties.choose(self._learner, better)
-            if self._insufficient(current.score.total - best.score.total):
+            best = self._rule.choose(self._learner, better)
+            if not self._rule.worthwhile(current.score, best.score):
                 break
             current = best
             others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
@@ -150,23 +100,16 @@ class HillClimbing:
         classes = self._learner.partition((*range(self._data.initial), *numbers))
         return self._objective.score(numbers, classes)
 
-    def _stop(self, current: float) -> bool:
-        return self._settings.early_stop == "level" and current <= self._settings.j_threshold
-
-    def _insufficient(self, improvement: float) -> bool:
-        """Under the improvement rule the last candidate, which buys too little, is not added (method 14.2)."""
-        return self._settings.early_stop == "improvement" and improvement <= self._settings.j_threshold
-
     def _distinct_columns(self) -> dict[int, list[int]]:
-        """The cheapest candidate (first by name) of every distinct truth column, with the others that share it."""
+        """The cheapest (then most reliable, then first) candidate of every truth column, with others that share it."""
         by_column: dict[tuple[object, ...], list[int]] = {}
         everything = range(self._data.initial, len(self._data.predicates))
         candidates = [p for p in everything if p not in self._learner.unreliable]
-        for p in sorted(candidates, key=self._data.cost):
+        for p in sorted(candidates, key=lambda p: (self._data.cost(p), self._learner.doubt(p))):
             by_column.setdefault(self._data.column(p), []).append(p)
         return {members[0]: members[1:] for members in sorted(by_column.values())}
 
-    def _expand(self, current: _Scored, progress: Progress) -> list[_Scored]:
+    def _expand(self, current: Scored, progress: Progress) -> list[Scored]:
         """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.
 
         The set with the smallest sum so far is taken to the next demonstration, the easiest one first, until no
@@ -188,7 +131,7 @@ class HillClimbing:
             _, i, position = heapq.heappop(queue)
             progress(len(candidates) - len(queue), len(candidates), data.predicates[candidates[i]].name)
             if position == len(order):
-                bound = min(bound, sums[i].total + self._ties.margin)
+                bound = min(bound, self._rule.ceiling(sums[i].total))
                 continue
             d = order[position]
             sums[i].add(d, self._objective.score_demo(sums[i], d, bound - sums[i].total))
@@ -199,7 +142,7 @@ class HillClimbing:
         self._evaluations += sum(1 + len(self._representatives[p]) for p in candidates)
         self._budget_hits += sum(part.budget_hits for part in sums)
         return [
-            _Scored(p, (*current.chosen, p), classes, part.score())
+            Scored(p, (*current.chosen, p), classes, part.score())
             for p, classes, part in zip(candidates, refined, sums, strict=True)
         ]
 
