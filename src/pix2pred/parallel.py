@@ -6,8 +6,8 @@ the cluster named by ``DASK_SCHEDULER_ADDRESS`` or ``RAY_ADDRESS``, or else star
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeVar
@@ -47,14 +47,22 @@ class Workers:
         ``function`` and ``items`` must survive pickling unless one ``loky`` worker does it all. Raises
         ``BackendError`` for an engine that is not installed, and whatever ``function`` raises.
         """
+        with self.ready() as apply:
+            yield from apply(function, items)
+
+    @contextmanager
+    def ready(self) -> Iterator[Callable[[Callable[..., Any], Sequence[Any]], Iterable[Any]]]:
+        """``map`` for many calls: the engine starts once and stops at the end."""
         if self.backend == Backend.LOKY and self.jobs == 1:
-            yield from map(function, items)
+            yield map
             return
         with ExitStack() as stack:
             engine = {Backend.LOKY: _loky, Backend.DASK: _dask, Backend.RAY: _ray}[self.backend]
             stack.enter_context(parallel_config(**engine(self.jobs, stack)))
-            work = Parallel(n_jobs=self.jobs, batch_size=1, return_as="generator")
-            yield from work(delayed(function)(item) for item in items)
+            as_they_come = self.backend != Backend.RAY  # which gives results only when all are there
+            parallel = Parallel(n_jobs=self.jobs, batch_size=1, return_as="generator" if as_they_come else "list")
+            work = stack.enter_context(parallel)
+            yield lambda function, items: work(delayed(function)(item) for item in items)
 
 
 def _loky(jobs: int, stack: ExitStack) -> dict[str, Any]:
@@ -82,7 +90,7 @@ def _ray(jobs: int, stack: ExitStack) -> dict[str, Any]:
     import os
 
     if not ray.is_initialized():
-        local = {} if os.environ.get("RAY_ADDRESS") else {"num_cpus": jobs, "include_dashboard": False}
+        local: dict[str, Any] = {} if os.environ.get("RAY_ADDRESS") else {"num_cpus": jobs, "include_dashboard": False}
         ray.init(log_to_driver=False, **local)
         stack.callback(ray.shutdown)
     register_ray()

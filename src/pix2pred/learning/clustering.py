@@ -29,12 +29,17 @@ class Member:
     objects: ObjectIds
 
 
+@dataclass(slots=True)
+class Memo:
+    """What follows from a class's members alone: the variable of each object, and what holds before, by predicate."""
+
+    variables: list[dict[int, int]] = field(default_factory=list)
+    before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TransitionClass:
-    """Transitions of one skill with the same effects up to renaming; variable i has type ``types[i]``.
-
-    ``lifted_before`` remembers, per predicate, in how many members each lifted atom holds beforehand.
-    """
+    """Transitions of one skill with the same effects up to renaming; variable i has type ``types[i]``."""
 
     skill: int
     types: tuple[Type, ...]
@@ -42,7 +47,7 @@ class TransitionClass:
     add: tuple[Lifted, ...]
     delete: tuple[Lifted, ...]
     members: tuple[Member, ...]
-    lifted_before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+    memo: Memo = field(default_factory=Memo)
 
     @property
     def first(self) -> int:
@@ -51,16 +56,21 @@ class TransitionClass:
 
     def counts_before(self, data: Data, predicate: int) -> dict[tuple[int, ...], int]:
         """In how many members each atom of ``predicate`` over the variables holds before the skill."""
-        if predicate not in self.lifted_before:
-            counts: dict[tuple[int, ...], int] = defaultdict(int)
+        memo = self.memo
+        if predicate not in memo.before:
+            if not memo.variables:
+                memo.variables = [{o: v for v, o in enumerate(member.objects)} for member in self.members]
+            counts: dict[tuple[int, ...], int] = {}
             fits = all(any(t.is_a(wanted) for t in self.types) for wanted in data.predicates[predicate].types)
-            for member in self.members if fits else ():
-                number = {o: i for i, o in enumerate(member.objects)}
+            for member, variable in zip(self.members, memo.variables, strict=True) if fits else ():
                 for args in data.before(member.transition, predicate):
-                    if all(o in number for o in args):
-                        counts[tuple(number[o] for o in args)] += 1
-            self.lifted_before[predicate] = dict(sorted(counts.items()))
-        return self.lifted_before[predicate]
+                    try:
+                        lifted = tuple([variable[o] for o in args])
+                    except KeyError:
+                        continue  # about an object that is none of the class's
+                    counts[lifted] = counts.get(lifted, 0) + 1
+            memo.before[predicate] = dict(sorted(counts.items()))
+        return memo.before[predicate]
 
 
 Partition = tuple[TransitionClass, ...]
@@ -156,7 +166,7 @@ def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) 
         else:
             involved = {o for _, _, objects in effects[t] for o in objects} | {*data.transitions[t].args}
             groups.append([Member(t, tuple(sorted(involved)))])
-    classes = (_lift(data, members, effects) for groups in buckets.values() for members in groups)
+    classes = [_lift(data, members, effects) for groups in buckets.values() for members in groups]
     return tuple(sorted(classes, key=lambda c: c.first))
 
 
@@ -164,9 +174,12 @@ def _effects(data: Data, predicates: Sequence[int], t: int) -> list[Effect]:
     found: list[Effect] = []
     for p in predicates:
         added, deleted = data.effects(p, t)
-        found.extend((p, True, objects) for objects in added)
-        found.extend((p, False, objects) for objects in deleted)
-    return sorted(found)
+        if added:
+            found += [(p, True, objects) for objects in added]
+        if deleted:
+            found += [(p, False, objects) for objects in deleted]
+    found.sort()
+    return found
 
 
 def _invariant(data: Data, t: int, effects: Sequence[Effect]) -> tuple[object, ...]:

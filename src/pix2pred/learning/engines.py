@@ -6,6 +6,7 @@ from pix2pred.learning.data import Data
 from pix2pred.learning.exact_tree import ExactTree
 from pix2pred.learning.grouped import Grouped
 from pix2pred.learning.learner import ClusterAndIntersect, OperatorLearner
+from pix2pred.learning.objective import Map
 from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
 from pix2pred.learning.robust import Robust
@@ -30,9 +31,9 @@ def learn_operators(table: TruthTable, settings: LearningSettings) -> tuple[Oper
     return tuple(to_operator(learner.data, schema) for schema in found)
 
 
-def hill_climbing(table: TruthTable, settings: LearningSettings) -> HillClimbing:
-    """Selection as ``settings`` ask for."""
-    return HillClimbing(operator_learner(table, settings), skeleton_search(settings), climbing_rule(settings))
+def hill_climbing(table: TruthTable, settings: LearningSettings, map_: Map = map) -> HillClimbing:
+    """Selection as ``settings`` ask for; ``map_`` may share the searches among workers."""
+    return HillClimbing(operator_learner(table, settings), skeleton_search(settings), climbing_rule(settings), map_)
 
 
 def skeleton_search(settings: LearningSettings) -> SkeletonSearch:

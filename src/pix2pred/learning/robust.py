@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.learning.clustering import Lifted, Partition, TransitionClass, partition
+from pix2pred.learning.clustering import Lifted, Memo, Partition, TransitionClass, partition
 from pix2pred.learning.data import Data
 from pix2pred.learning.operators import Schema
 from pix2pred.learning.repair import ADD, DELETE, MIXED, repair
@@ -85,7 +85,7 @@ class Robust:
                 add=(*cls.add, *add, *((p, v) for v, c in zip(mixed, change, strict=True) if c > 0)),
                 delete=(*cls.delete, *delete, *((p, v) for v, c in zip(mixed, change, strict=True) if c < 0)),
                 members=tuple(cls.members[i] for i in members),
-                lifted_before={},
+                memo=Memo(),
             )
             for change, members in parts.items()
         ]

@@ -83,18 +83,21 @@ class Published:
 
 @dataclass(frozen=True, slots=True)
 class Explained:
-    """Climb until the first plan found for every demonstration is as long as the demonstration: nothing to tune.
+    """Climb while a predicate explains something: nothing to tune.
 
-    J is made of nodes, which grow with the size of a task, and of charges for plans of the wrong length, which do not.
-    Only charges say that a predicate is missing. A candidate has to save half a back-track or half of J.
+    J is made of nodes, which grow with the size of a task, and of charges for plans of the wrong length, which do not
+    and which say that a predicate is missing. A candidate has to save half a back-track, or most of the nodes.
     """
 
     tolerance: float = 0.25
     """Candidates whose J is at most this much larger than the smallest compete if they save as many charges."""
 
+    drop: float = 1 / 3
+    """What is left of J when a candidate that saves no charges is taken all the same."""
+
     def finished(self, reached: Score) -> bool:
         """See ``ClimbingRule``."""
-        return reached.charges < BACKTRACK / 2
+        return False
 
     def ceiling(self, j: float) -> float:
         """See ``ClimbingRule``."""
@@ -108,4 +111,4 @@ class Explained:
 
     def worthwhile(self, before: Score, after: Score) -> bool:
         """See ``ClimbingRule``."""
-        return before.charges - after.charges >= BACKTRACK / 2 or after.total <= before.total / 2
+        return before.charges - after.charges >= BACKTRACK / 2 or after.total <= self.drop * before.total

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pix2pred.learning.learner import OperatorLearner
-from pix2pred.learning.objective import Objective, Score
+from pix2pred.learning.objective import Map, Objective, Request, Score
 from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
 from pix2pred.learning.rules import ClimbingRule, Scored
@@ -56,14 +56,18 @@ class Selection:
     budget_hits: int
 
 
+BATCH = 8
+"""Candidates taken to their next demonstration at a time."""
+
+
 class HillClimbing:
     """Greedy forward selection from the initial predicates alone."""
 
-    def __init__(self, learner: OperatorLearner, search: SkeletonSearch, rule: ClimbingRule) -> None:
+    def __init__(self, learner: OperatorLearner, search: SkeletonSearch, rule: ClimbingRule, map_: Map = map) -> None:
         self._learner = learner
         self._rule = rule
         self._data = learner.data
-        self._objective = Objective(learner, search)
+        self._objective = Objective(learner, search, map_)
         self._representatives = self._distinct_columns()
         self._evaluations = self._scored = self._budget_hits = 0
 
@@ -112,8 +116,9 @@ class HillClimbing:
     def _expand(self, current: Scored, progress: Progress) -> list[Scored]:
         """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.
 
-        The set with the smallest sum so far is taken to the next demonstration, the easiest one first, until no
-        sum can come within the tie margin of the best any more (engine, item 6, best-first).
+        The sets with the smallest sums so far are taken to the next demonstration, the easiest one first, until no
+        sum can compete with the best any more (engine, item 6, best-first). They are taken in batches of a fixed size,
+        which workers may share, so that results do not depend on the number of workers.
         """
         data = self._data
         order = sorted(range(len(data.demos)), key=lambda d: current.score.demos[d] or 0.0)
@@ -127,16 +132,22 @@ class HillClimbing:
         queue = [(part.total, i, 0) for i, part in enumerate(sums)]
         heapq.heapify(queue)
         bound = current.score.total
-        while queue and queue[0][0] <= bound:
-            _, i, position = heapq.heappop(queue)
-            progress(len(candidates) - len(queue), len(candidates), data.predicates[candidates[i]].name)
-            if position == len(order):
-                bound = min(bound, self._rule.ceiling(sums[i].total))
-                continue
-            d = order[position]
-            sums[i].add(d, self._objective.score_demo(sums[i], d, bound - sums[i].total))
-            if sums[i].exact:
-                heapq.heappush(queue, (sums[i].total, i, position + 1))
+        while True:
+            batch: list[tuple[int, int]] = []
+            while queue and queue[0][0] <= bound and len(batch) < BATCH:
+                _, i, position = heapq.heappop(queue)
+                if position == len(order):
+                    bound = min(bound, self._rule.ceiling(sums[i].total))
+                else:
+                    batch.append((i, position))
+            if not batch:
+                break
+            requests = [Request(sums[i], order[position], bound - sums[i].total) for i, position in batch]
+            for (i, position), score in zip(batch, self._objective.score_demos(requests), strict=True):
+                sums[i].add(order[position], score)
+                if sums[i].exact:
+                    heapq.heappush(queue, (sums[i].total, i, position + 1))
+            progress(len(candidates) - len(queue), len(candidates), data.predicates[candidates[batch[-1][0]]].name)
         progress(len(candidates), len(candidates), "")
         self._scored += len(candidates)
         self._evaluations += sum(1 + len(self._representatives[p]) for p in candidates)
