@@ -23,7 +23,10 @@ class Scored:
 
 
 class ClimbingRule(Protocol):
-    """The decisions of a hill climb."""
+    """The decisions of a hill climb. With ``looks_back``, predicates that later ones made superfluous are dropped."""
+
+    @property
+    def looks_back(self) -> bool: ...
 
     def finished(self, reached: Score) -> bool:
         """Whether nothing is left to gain."""
@@ -39,6 +42,10 @@ class ClimbingRule(Protocol):
 
     def worthwhile(self, before: Score, after: Score) -> bool:
         """Whether the chosen candidate buys enough to be taken."""
+        ...
+
+    def as_good(self, fewer: Score, reached: Score) -> bool:
+        """Whether a set with one predicate fewer serves as well."""
         ...
 
 
@@ -80,6 +87,15 @@ class Published:
         (method 14.2)."""
         return self.early_stop == "level" or before.total - after.total > self.j_threshold
 
+    @property
+    def looks_back(self) -> bool:
+        """See ``ClimbingRule``."""
+        return False
+
+    def as_good(self, fewer: Score, reached: Score) -> bool:
+        """See ``ClimbingRule``."""
+        return False
+
 
 @dataclass(frozen=True, slots=True)
 class Explained:
@@ -112,3 +128,12 @@ class Explained:
     def worthwhile(self, before: Score, after: Score) -> bool:
         """See ``ClimbingRule``."""
         return before.charges - after.charges >= BACKTRACK / 2 or after.total <= self.drop * before.total
+
+    @property
+    def looks_back(self) -> bool:
+        """See ``ClimbingRule``."""
+        return True
+
+    def as_good(self, fewer: Score, reached: Score) -> bool:
+        """See ``ClimbingRule``."""
+        return fewer.total <= self.ceiling(reached.total) and fewer.charges <= reached.charges + BACKTRACK / 2

@@ -93,7 +93,7 @@ class HillClimbing:
             others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
             runners_up = tuple(RunnerUp(data.predicates[s.predicate], s.score.total, s.score.exact) for s in others)
             steps.append(Step(data.predicates[best.predicate], best.score.total, best.score.demos, runners_up))
-        return self._finish(current.chosen, steps)
+        return self._finish(current.chosen, self._without_superseded(current), steps)
 
     def score(self, chosen: Sequence[Predicate]) -> Score:
         """J of a given set of candidates. Raises ``ValueError`` for one that is never true, thus no candidate."""
@@ -157,8 +157,18 @@ class HillClimbing:
             for p, classes, part in zip(candidates, refined, sums, strict=True)
         ]
 
-    def _finish(self, chosen: Sequence[int], steps: Sequence[Step]) -> Selection:
-        """Drop predicates that are no precondition, then learn the final operators (method 6.3)."""
+    def _without_superseded(self, reached: Scored) -> Sequence[int]:
+        """The chosen predicates without those that later ones made superfluous, as far as the rule looks back."""
+        kept = reached.chosen
+        for p in reached.chosen[:-1] if self._rule.looks_back else ():
+            fewer = tuple(q for q in kept if q != p)
+            classes = self._learner.partition((*range(self._data.initial), *fewer))
+            if self._rule.as_good(self._objective.score(fewer, classes), reached.score):
+                kept = fewer
+        return kept
+
+    def _finish(self, chosen: Sequence[int], needed: Sequence[int], steps: Sequence[Step]) -> Selection:
+        """Drop predicates that are not needed or no precondition, then learn the final operators (method 6.3)."""
         data = self._data
 
         def learn(numbers: Sequence[int]) -> tuple[Operator, ...]:
@@ -166,8 +176,8 @@ class HillClimbing:
             found = self._learner.schemas(self._learner.partition(predicates), predicates)
             return tuple(to_operator(data, schema) for schema in found)
 
-        used = {atom.predicate for op in learn(chosen) for atom in op.preconditions}
-        kept = [p for p in chosen if data.predicates[p] in used]
+        used = {atom.predicate for op in learn(needed) for atom in op.preconditions}
+        kept = [p for p in needed if data.predicates[p] in used]
         return Selection(
             tuple(data.predicates[p] for p in kept),
             tuple(data.predicates[p] for p in chosen if p not in kept),
