@@ -31,7 +31,7 @@ MAY_IMPORT |= {
     "run_folder": {"structs"},
     "runs": LOWER | {"pipeline", "run_folder"},
     "registry": LOWER | {"pipeline", "domains"},
-    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "cli"},
+    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "parallel", "cli"},
 }
 
 

@@ -19,6 +19,7 @@ from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
 from pix2pred.learning import TracesError
+from pix2pred.parallel import BackendError
 from pix2pred.planning import ExternalPlannerError
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.registry import RegistryError
@@ -30,6 +31,7 @@ from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
 
 BAD_INPUT = (
+    BackendError,
     EmptyProposalError,
     ExpressionError,
     ExternalPlannerError,

@@ -36,8 +36,8 @@ class OperatorLearner(Protocol):
         """The operators of ``classes``."""
         ...
 
-    def doubt(self, candidate: int) -> float:
-        """How unreliable the labels of a candidate seem; 0 is not at all."""
+    def price(self, candidate: int) -> float:
+        """What a candidate costs, doubts about its labels included: the cheaper of two that serve alike is taken."""
         ...
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
@@ -65,9 +65,9 @@ class ClusterAndIntersect:
         """See ``OperatorLearner``."""
         return schemas(self.data, classes, predicates, self._settings)
 
-    def doubt(self, candidate: int) -> float:
+    def price(self, candidate: int) -> float:
         """See ``OperatorLearner``."""
-        return 0.0
+        return self.data.cost(candidate)
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
         """Transitions of dropped classes and members in which a precondition over the last candidate does not hold."""

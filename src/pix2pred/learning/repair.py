@@ -35,7 +35,7 @@ PRIOR_LABELS = 20.0
 """How many labels the pooled error rate counts for in the estimate of one predicate's."""
 
 ROUNDS_FREE = 6
-CELLS = 1 << 21
+CELLS = 1 << 18
 """Labels treated at a time, which bounds memory."""
 
 EXPECTED = float(np.log(19))
@@ -161,7 +161,7 @@ class _Chains:
     owner: Ints
     where: list[tuple[int, ObjectIds]]
     labels: NDArray[np.int8]
-    places: Ints
+    places: NDArray[np.int32]
 
 
 def _blocks(data: Data, places: _Places, noisy: Sequence[int]) -> Iterator[_Chains]:
@@ -183,7 +183,7 @@ def _chains(data: Data, places: _Places, rows: Sequence[tuple[int, int, ObjectId
     predicates = sorted({p for p, _, _ in rows})
     number = {p: i for i, p in enumerate(predicates)}
     labels = np.full((len(rows), states), -1, dtype=np.int8)
-    where = np.zeros((len(rows), max(states - 1, 0)), dtype=np.int64)
+    where = np.zeros((len(rows), max(states - 1, 0)), dtype=np.int32)
     index = {row: i for i, row in enumerate(rows)}
     for i, (_, d, args) in enumerate(rows):
         labels[i, : data.demos[d].states] = 0

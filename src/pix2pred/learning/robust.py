@@ -31,6 +31,10 @@ UNRELIABLE = 0.2
 """Candidates whose labels are wrong more often are not considered: at test time they would be wrong as often."""
 
 
+DOUBT = 50.0
+"""Price of wrong labels, in arguments: two in a hundred weigh as much as one argument more."""
+
+
 class Robust:
     """Operators that survive wrong labels."""
 
@@ -90,13 +94,13 @@ class Robust:
             for change, members in parts.items()
         ]
 
-    def doubt(self, candidate: int) -> float:
+    def price(self, candidate: int) -> float:
         """See ``OperatorLearner``."""
-        return self._repaired.surprise[candidate]
+        return self.data.cost(candidate) + DOUBT * self._repaired.surprise[candidate]
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
-        """See ``OperatorLearner``."""
-        return self.doubt(chosen[-1])
+        """See ``OperatorLearner``. The labels of a candidate are explained as well as they ever will be."""
+        return self._repaired.surprise[chosen[-1]]
 
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
         """See ``OperatorLearner``."""

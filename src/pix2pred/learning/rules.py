@@ -26,7 +26,9 @@ class ClimbingRule(Protocol):
     """The decisions of a hill climb. With ``looks_back``, predicates that later ones made superfluous are dropped."""
 
     @property
-    def looks_back(self) -> bool: ...
+    def looks_back(self) -> bool:
+        """Whether sets with one predicate fewer are tried at the end."""
+        ...
 
     def finished(self, reached: Score) -> bool:
         """Whether nothing is left to gain."""
@@ -52,9 +54,9 @@ class ClimbingRule(Protocol):
 def best_explained(learner: OperatorLearner, rivals: Sequence[Scored]) -> Scored:
     """The cheapest, then the one whose labels its own operators explain best, then the first by name.
 
-    A visual predicate costs its number of arguments; feature and quantified predicates cost more.
+    A visual predicate costs its number of arguments; feature and quantified predicates cost more; doubt adds to it.
     """
-    return min(rivals, key=lambda s: (learner.data.cost(s.predicate), learner.unexplained(s.classes, s.chosen)))
+    return min(rivals, key=lambda s: (learner.price(s.predicate), learner.unexplained(s.classes, s.chosen)))
 
 
 @dataclass(frozen=True, slots=True)

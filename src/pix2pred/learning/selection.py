@@ -109,7 +109,7 @@ class HillClimbing:
         by_column: dict[tuple[object, ...], list[int]] = {}
         everything = range(self._data.initial, len(self._data.predicates))
         candidates = [p for p in everything if p not in self._learner.unreliable]
-        for p in sorted(candidates, key=lambda p: (self._data.cost(p), self._learner.doubt(p))):
+        for p in sorted(candidates, key=self._learner.price):
             by_column.setdefault(self._data.column(p), []).append(p)
         return {members[0]: members[1:] for members in sorted(by_column.values())}
 
