@@ -27,7 +27,7 @@ def heated(labels: list[int], unknown: tuple[int, ...] = (), other: Object = B) 
     """Wait, heat, wait, wait: ``a`` is hot from state 2 on; ``labels`` are what was said of it."""
     actions = [Action(WAIT, (other,)), Action(HEAT, (A,)), Action(WAIT, (other,)), Action(WAIT, (other,))]
     states = [[HOT(A)] * label + [DONE(A)] * (t == 4) for t, label in enumerate(labels)]
-    one = demo("d", [A, B], actions, states, [DONE(A)])
+    one = demo("d", {A, other}, actions, states, [DONE(A)])
     values = one.values.copy()
     if unknown:
         values[list(unknown), one.atoms.index(HOT(A))] = UNKNOWN
@@ -75,7 +75,7 @@ def test_labels_without_a_mistake_stay_as_they_are() -> None:
 
 def coins(seed: int) -> TruthTable:
     rng = np.random.default_rng(seed)
-    return table([DONE], [HOT], [heated(list(rng.integers(0, 2, 5))) for _ in range(24)])
+    return table([DONE], [HOT], [heated(list(rng.integers(0, 2, 5)), other=A) for _ in range(24)])
 
 
 def test_coins_are_no_candidates() -> None:
