@@ -18,8 +18,14 @@ from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
 from pix2pred.vlm import VLM
 
-_DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
-_TRUTHS = {"burger": "pix2pred.domains.burger.truth:value_now"}
+_DOMAINS = {
+    "burger": "pix2pred.domains.burger:BurgerDomain",
+    "kitchen": "pix2pred.domains.kitchen:KitchenDomain",
+}
+_TRUTHS = {
+    "burger": "pix2pred.domains.burger.truth:value_now",
+    "kitchen": "pix2pred.domains.kitchen.truth:value_now",
+}
 
 SEARCHES: dict[str, Callable[[], Search]] = {
     "astar-lmcut": AStar,

@@ -25,6 +25,7 @@ from pix2pred.run_folder import RunFolderError
 from pix2pred.structs import PictureError
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.expressions import ExpressionError
+from pix2pred.structs.extras import MissingExtraError
 from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
 
@@ -32,6 +33,7 @@ BAD_INPUT = (
     EmptyProposalError,
     ExpressionError,
     FolderError,
+    MissingExtraError,
     ModelFileError,
     PictureError,
     RegistryError,
