@@ -21,10 +21,12 @@ from pix2pred.vlm import VLM
 _DOMAINS = {
     "burger": "pix2pred.domains.burger:BurgerDomain",
     "kitchen": "pix2pred.domains.kitchen:KitchenDomain",
+    "coffee": "pix2pred.domains.coffee:CoffeeDomain",
 }
 _TRUTHS = {
     "burger": "pix2pred.domains.burger.truth:value_now",
     "kitchen": "pix2pred.domains.kitchen.truth:value_now",
+    "coffee": "pix2pred.domains.coffee.truth:value_now",
 }
 
 SEARCHES: dict[str, Callable[[], Search]] = {

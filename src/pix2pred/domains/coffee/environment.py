@@ -26,9 +26,7 @@ class CoffeeEnvironment:
     ``above`` decides when jug and robot count as above a cup.
     """
 
-    def __init__(
-        self, initial: World, predicates: Sequence[Predicate], goal: Sequence[Atom], above: AboveCup
-    ) -> None:
+    def __init__(self, initial: World, predicates: Sequence[Predicate], goal: Sequence[Atom], above: AboveCup) -> None:
         self.world = initial
         self.steps = 0
         self._initial = initial
@@ -78,9 +76,8 @@ class CoffeeEnvironment:
                 self.steps += 1
                 if self._sink and self.steps % _STEPS_PER_FRAME == 0:
                     self._sink(render_pixels(self.world))
-                if script.finished(self.world) and move is script.moves[-1]:
+                if script.stops and script.finished(self.world):
                     break
         if script.finished(self.world):
             return Step(StepStatus.DONE)
         return Step(StepStatus.STUCK, f"{skill} failed: {explain(skill, start, self.world)}")
-

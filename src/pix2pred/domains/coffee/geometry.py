@@ -41,7 +41,7 @@ TABLE_Z = 0.2
 LOW, HIGH = Point(0.36, 1.05, 0.21), Point(1.1, 1.65, 0.75)
 """The box that the gripper can reach."""
 
-HOME = Point(0.44, 1.46, 0.52)
+HOME = Point(0.53, 1.48, 0.54)
 """Where the gripper rests and where it goes when it has let go of something."""
 
 OPEN, CLOSED = 0.04, 0.012

@@ -19,7 +19,7 @@ def features_of(world: World) -> dict[Object, tuple[float, ...]]:
         "jug": (*jug.at, jug.rot, float(jug.held)),
         "coffee_machine": (),
     }
-    features = {}
+    features: dict[Object, tuple[float, ...]] = {}
     for item in objects_of(world):
         if item.type.name == "cup":
             cup = world.cup(item.name)

@@ -15,14 +15,13 @@ from pix2pred.domains.coffee.geometry import (
     CUP_RADIUS,
     FULL_JUG,
     GRIP,
-    JUG_HEIGHT,
     JUG_RADIUS,
     TABLE_Z,
     Point,
     turned,
 )
 from pix2pred.domains.coffee.motion import pouring_over
-from pix2pred.domains.coffee.scene_model import WALL_THICKNESS, build_model
+from pix2pred.domains.coffee.scene_model import FULL_HEIGHT, WALL_THICKNESS, build_model
 from pix2pred.domains.coffee.scenes import MOST_CUPS
 from pix2pred.domains.coffee.world import World
 from pix2pred.domains.physics import Camera, mujoco_library
@@ -43,8 +42,8 @@ class Stage:
         self.model = build_model()
         self.data = mujoco.MjData(self.model)
         view = mujoco.MjvCamera()
-        view.lookat[:] = (0.765, 1.36, 0.3)
-        view.distance, view.azimuth, view.elevation = 1.32, 90.0, -33.0
+        view.lookat[:] = (0.725, 1.38, 0.345)
+        view.distance, view.azimuth, view.elevation = 1.25, 90.0, -32.0
         self.model.vis.global_.fovy = 35.0
         self.camera = Camera(self.model, view, CAMERA)
         names = [self.model.geom(i).name for i in range(self.model.ngeom)]
@@ -67,7 +66,7 @@ class Stage:
             self._move("jug", at - turned(GRIP, robot.tilt), swing)
         else:
             self._move("jug", jug.at, (math.cos(jug.rot / 2), 0.0, 0.0, math.sin(jug.rot / 2)))
-        height = (JUG_HEIGHT - 0.022) * jug.level / FULL_JUG
+        height = (FULL_HEIGHT - 0.006) * jug.level / FULL_JUG
         self._liquid("jug", JUG_RADIUS - WALL_THICKNESS - 0.001, 0.006, height)
         self._stream(world)
         self.model.geom_rgba[self._geoms["coffee_machine/lamp"]] = _ON if world.machine_on else _OFF
@@ -131,7 +130,9 @@ class Stage:
         self._paint("room/table", table, rng)
         self._paint("room/wall", wall, rng)
         self._paint("coffee_machine/head", machine, rng)
-        self.model.geom_rgba[self._geoms["coffee_machine/back"]] = self.model.geom_rgba[self._geoms["coffee_machine/head"]] * (0.9, 0.9, 0.9, 1)
+        self.model.geom_rgba[self._geoms["coffee_machine/back"]] = self.model.geom_rgba[
+            self._geoms["coffee_machine/head"]
+        ] * (0.9, 0.9, 0.9, 1)
 
     def _paint(self, geom: str, palette: Any, rng: np.random.Generator) -> None:
         colour = palette[int(rng.integers(len(palette)))] + rng.uniform(-0.03, 0.03, 3)

@@ -30,13 +30,16 @@ from pix2pred.domains.coffee.geometry import (
 from pix2pred.domains.coffee.scenes import MOST_CUPS
 from pix2pred.domains.physics import mujoco_library
 
-COFFEE = (0.23, 0.11, 0.05, 1.0)
-CREMA = (0.62, 0.36, 0.16, 1.0)
-GLASS = (0.78, 0.9, 0.95, 0.3)
+COFFEE = (0.3, 0.14, 0.06, 1.0)
+CREMA = (0.68, 0.42, 0.2, 1.0)
+GLASS, CUP_GLASS = (0.62, 0.8, 0.9, 0.15), (0.85, 0.93, 1.0, 0.24)
 STEEL = (0.62, 0.64, 0.68, 1.0)
 DARK = (0.13, 0.13, 0.15, 1.0)
 WALL_THICKNESS = 0.004
 """Of jug and cups."""
+
+FULL_HEIGHT = JUG_HEIGHT - 0.016
+"""Height of the white mark up to which the machine fills the jug."""
 
 _SIDES = 40
 
@@ -77,6 +80,10 @@ def _meshes(spec: Any) -> None:
     turned = [(0, 0), (r, 0), (r, h), (r - t, h), (r - t, t), (0, t)]
     vertices, faces = _lathe(turned)
     spec.add_mesh(name="jug", uservert=vertices, userface=faces, inertia=_shell())
+    z = FULL_HEIGHT
+    turned = [(r, z - 0.002), (r + 0.001, z - 0.002), (r + 0.001, z + 0.002), (r, z + 0.002)]
+    vertices, faces = _lathe(turned)
+    spec.add_mesh(name="mark", uservert=vertices, userface=faces, inertia=_shell())
 
 
 def _shell() -> Any:
@@ -104,7 +111,11 @@ class _Builder:
 
     def __init__(self, mujoco: Any, spec: Any) -> None:
         kinds = mujoco.mjtGeom
-        self.box_type, self.cylinder_type, self.capsule_type = kinds.mjGEOM_BOX, kinds.mjGEOM_CYLINDER, kinds.mjGEOM_CAPSULE
+        self.box_type, self.cylinder_type, self.capsule_type = (
+            kinds.mjGEOM_BOX,
+            kinds.mjGEOM_CYLINDER,
+            kinds.mjGEOM_CAPSULE,
+        )
         self.mesh_type, self.sphere_type = kinds.mjGEOM_MESH, kinds.mjGEOM_SPHERE
         self.spec = spec
         self.world = spec.worldbody
@@ -129,7 +140,13 @@ class _Builder:
         self.box(self.world, "room/wall", (2.5, 0.02, 1.5), (0.74, 1.95, 0.7), (0.8, 0.84, 0.84, 1))
         self.box(self.world, "room/floor", (2.5, 2.0, 0.02), (0.74, 1.0, -0.4), (0.55, 0.55, 0.57, 1))
         for i in range(6):
-            self.box(self.world, f"room/board{i}", (0.5, 0.0012, 0.0006), (0.74, 1.0 + 0.14 * i, TABLE_Z), (0.5, 0.37, 0.25, 1))
+            self.box(
+                self.world,
+                f"room/board{i}",
+                (0.5, 0.0012, 0.0006),
+                (0.74, 1.0 + 0.14 * i, TABLE_Z),
+                (0.5, 0.37, 0.25, 1),
+            )
 
     def machine(self) -> None:
         x, y = MACHINE_X, MACHINE_Y
@@ -143,9 +160,33 @@ class _Builder:
         self.box(self.world, f"{name}/top", (0.094, 0.165, 0.008), (x, y + 0.01, HEAD_TOP + 0.006), DARK)
         self.disc(self.world, f"{name}/plate", 0.06, 0.0015, (PLATE.x, PLATE.y, PLATE.z - 0.001), STEEL)
         self.disc(self.world, f"{name}/dispenser", 0.014, 0.012, (PLATE.x, PLATE.y, HEAD_BOTTOM - 0.008), STEEL)
-        self.add(self.world, f"{name}/lamp_rim", self.cylinder_type, (0.026, 0.004), (x + 0.03, front + 0.0, middle + 0.02), rgba=DARK, euler=[90, 0, 0])
-        self.add(self.world, f"{name}/lamp", self.cylinder_type, (0.021, 0.007), (x + 0.03, front - 0.001, middle + 0.02), rgba=(0.3, 0.05, 0.05, 1), euler=[90, 0, 0])
-        self.add(self.world, f"{name}/button", self.cylinder_type, (0.02, 0.008), (BUTTON.x + 0.008, BUTTON.y, BUTTON.z), rgba=(0.9, 0.75, 0.1, 1), euler=[0, 90, 0])
+        self.add(
+            self.world,
+            f"{name}/lamp_rim",
+            self.cylinder_type,
+            (0.026, 0.004),
+            (x + 0.03, front + 0.0, middle + 0.02),
+            rgba=DARK,
+            euler=[90, 0, 0],
+        )
+        self.add(
+            self.world,
+            f"{name}/lamp",
+            self.cylinder_type,
+            (0.021, 0.007),
+            (x + 0.03, front - 0.001, middle + 0.02),
+            rgba=(0.3, 0.05, 0.05, 1),
+            euler=[90, 0, 0],
+        )
+        self.add(
+            self.world,
+            f"{name}/button",
+            self.cylinder_type,
+            (0.02, 0.008),
+            (BUTTON.x + 0.008, BUTTON.y, BUTTON.z),
+            rgba=(0.9, 0.75, 0.1, 1),
+            euler=[0, 90, 0],
+        )
 
     def jug(self) -> None:
         body = self.world.add_body(name="jug", mocap=True)
@@ -158,6 +199,7 @@ class _Builder:
             self.rod(body, f"jug/handle_{end}", 0.008, (-JUG_RADIUS + 0.004, 0, z), (-0.088, 0, z), brand)
         self.rod(body, "jug/handle", 0.009, (-0.088, 0, 0.041), (-0.088, 0, 0.109), brand)
         self.rod(body, "jug/spout", 0.006, (JUG_RADIUS - 0.01, 0, JUG_HEIGHT - 0.012), (SPOUT.x, 0, SPOUT.z), brand)
+        self.add(body, "jug/mark", self.mesh_type, (), (0, 0, 0), meshname="mark", rgba=(0.95, 0.95, 0.95, 1))
         self.add(body, "jug/glass", self.mesh_type, (), (0, 0, 0), meshname="jug", rgba=GLASS)
         stream = self.world.add_body(name="stream", mocap=True)
         self.disc(stream, "jug/stream", 0.003, 0.02, (0, 0, 0), COFFEE)
@@ -166,7 +208,7 @@ class _Builder:
         body = self.world.add_body(name=f"cup{number}", mocap=True)
         self.disc(body, f"cup{number}/crema", 0.01, 0.001, (0, 0, 0.02), CREMA)
         self.disc(body, f"cup{number}/coffee", 0.01, 0.01, (0, 0, 0.02), COFFEE)
-        self.add(body, f"cup{number}/glass", self.mesh_type, (), (0, 0, 0), meshname="cup0", rgba=(0.93, 0.97, 1.0, 0.45))
+        self.add(body, f"cup{number}/glass", self.mesh_type, (), (0, 0, 0), meshname="cup0", rgba=CUP_GLASS)
 
     def gripper(self) -> None:
         body = self.world.add_body(name="robot", mocap=True)

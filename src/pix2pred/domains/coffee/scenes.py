@@ -10,7 +10,7 @@ import numpy as np
 from pix2pred.domains.coffee.geometry import CUP_CAPACITIES, CUP_RADIUS, HOME, TABLE_Z, Point
 from pix2pred.domains.coffee.world import Cup, Jug, Robot, World
 
-CUP_AREA = ((0.56, 1.0), (1.09, 1.27))
+CUP_AREA = ((0.61, 1.0), (1.09, 1.27))
 """x and y of the middles of cups."""
 
 JUG_AREA = ((0.58, 0.72), (1.39, 1.47))

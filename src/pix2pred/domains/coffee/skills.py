@@ -42,10 +42,14 @@ _DOWNWARD = math.pi / 2
 
 @dataclass(frozen=True, slots=True)
 class Script:
-    """A skill with its objects bound: its moves and when its purpose is fulfilled."""
+    """A skill with its objects bound: its moves and when its purpose is fulfilled.
+
+    ``stops`` tells that it ends as soon as that is the case, instead of making its last move to the end.
+    """
 
     moves: tuple[Primitive, ...]
     finished: Callable[[World], bool]
+    stops: bool = False
 
 
 def script_for(skill: Application, world: World) -> Script:
@@ -60,7 +64,7 @@ def script_for(skill: Application, world: World) -> Script:
             return Script(_turn_on(), lambda w: pressing(w) and w.jug_in_machine and w.jug.level >= FULL_JUG)
         case "PourSomeLiquid":
             cup = skill.args[2]
-            return Script(_pour(world, cup), lambda w: w.cup(cup).filled)
+            return Script(_pour(world, cup), lambda w: w.cup(cup).filled, stops=True)
         case _:
             return Script(_rotate(world), handle_reachable)
 
