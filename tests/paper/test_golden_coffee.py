@@ -9,9 +9,15 @@ import pytest
 import coffee_truth
 import golden
 from pix2pred.domains.coffee import CoffeeDomain
-from pix2pred.domains.coffee.classifiers import AboveCup
+from pix2pred.domains.coffee.classifiers import AboveCup, objects_of, true_atoms
+from pix2pred.domains.coffee.demonstrator import all_filled
+from pix2pred.domains.coffee.environment import CoffeeEnvironment
+from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.coffee.vocabulary import GIVEN
+from pix2pred.execution.episode import open_loop
 from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, skeleton_search, tie_rule
-from pix2pred.structs import LiftedAtom, Operator, TruthTable
+from pix2pred.planning import AStar, Planner
+from pix2pred.structs import LiftedAtom, Operator, PlanStatus, TruthTable
 
 WORDS = {"CupReceivingLiquid": "cup_receiving", "JugFilled": "jug_filled", "JugInMachine": "jug_in_machine"}
 SETTINGS = CoffeeDomain().settings("three-cups")
@@ -65,3 +71,18 @@ def test_a_jug_above_no_cup_in_particular_gives_other_operators() -> None:
     for op in learned:
         changed = {a.predicate.name for a in op.add | op.delete}
         assert bool(above & changed) == (op.skill.name == "PourSomeLiquid")
+
+
+@pytest.mark.parametrize(("cups", "length"), [(1, 5), (2, 6), (3, 7), (4, 11), (5, 15), (6, 19)])
+@pytest.mark.parametrize("turned_away", [False, True])
+def test_plans_have_the_computed_lengths_and_work(cups: int, length: int, turned_away: bool) -> None:
+    operators = learn_operators(coffee_truth.true_table(WORDS), LearningSettings.model_validate(SETTINGS))
+    world = initial_world(cups, scene_generator(0, Split.TASKS, cups, 0), turned_away)
+    objects = objects_of(world)
+    goal = all_filled(objects)
+    found = Planner(AStar()).plan(operators, objects, true_atoms(world, GIVEN, AboveCup.ANYWHERE), goal)
+    assert found.status == PlanStatus.SOLVED
+    assert len(found.plan) == length + turned_away
+    episode = CoffeeEnvironment(world, GIVEN, goal, AboveCup.ANYWHERE)
+    outcome = open_loop(found.plan, episode)
+    assert outcome.goal_reached, outcome.detail

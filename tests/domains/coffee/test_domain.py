@@ -25,7 +25,7 @@ def task(drawing: None) -> SimulatedTask:
 
 def test_it_is_a_domain() -> None:
     domain: Domain = CoffeeDomain()
-    assert (domain.name, tuple(domain.families)[0]) == ("coffee", "three-cups")
+    assert (domain.name, next(iter(domain.families))) == ("coffee", "three-cups")
     assert domain.settings("six-cups") == {
         "h_pre_frac": 0.8, "h_data_frac": 0.05, "j_threshold": 100, "early_stop": "level",
         "precondition_rule": "at_least", "max_plans": 1000,
