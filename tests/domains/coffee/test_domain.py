@@ -9,7 +9,7 @@ from pix2pred.domains.coffee import CoffeeDomain
 from pix2pred.domains.coffee.geometry import CUP_RADIUS
 from pix2pred.domains.coffee.scenes import CUP_GAP, MOST_CUPS, Split, initial_world, scene_generator
 from pix2pred.domains.coffee.world import World
-from pix2pred.structs import Demo
+from pix2pred.structs import Demo, Pixels
 from pix2pred.structs.environment import Domain, Filmed, SimulatedTask
 
 
@@ -71,7 +71,7 @@ def test_tasks_do_not_depend_on_each_other_and_survive_json(task: SimulatedTask)
 def test_film_shows_a_skill_while_it_runs(task: SimulatedTask) -> None:
     domain = CoffeeDomain()
     environment = domain.environment(task.task, task.simulator)
-    frames = []
+    frames: list[Pixels] = []
     environment.film(frames.append)
     objects = {o.name: o for o in task.task.objects}
     skill = {s.name: s for s in domain.vocabulary("three-cups").skills}["TurnMachineOnAndFill"]

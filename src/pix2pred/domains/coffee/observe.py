@@ -12,11 +12,11 @@ from pix2pred.structs import Object, Predicate, State
 
 
 def features_of(world: World) -> dict[Object, tuple[float, ...]]:
-    """Where everything is, in metres and radians. What is filled or switched on is in the pictures alone."""
+    """Heights, angles and the cups' places, in metres and radians. The rest is in the pictures alone."""
     robot, jug = world.robot, world.jug
     values: dict[str, tuple[float, ...]] = {
-        "robot": (*robot.at, robot.tilt, robot.wrist, robot.fingers),
-        "jug": (*jug.at, jug.rot, float(jug.held)),
+        "robot": (robot.at.z, robot.tilt, robot.wrist, robot.fingers),
+        "jug": (jug.at.z, jug.rot, float(jug.held)),
         "coffee_machine": (),
     }
     features: dict[Object, tuple[float, ...]] = {}

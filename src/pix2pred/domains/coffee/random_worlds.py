@@ -20,6 +20,7 @@ from pix2pred.domains.coffee.world import Cup, Robot, World
 
 MOST_CUPS = 6
 _PERTURBED = 0.4
+_TO_THE_END = 0.3
 
 
 def random_world(rng: np.random.Generator, look: int) -> World:
@@ -31,7 +32,8 @@ def random_world(rng: np.random.Generator, look: int) -> World:
     first_pour = len(actions) - recipe.cups
     pours = [actions[first_pour + i] for i in rng.permutation(recipe.cups)]
     script = [*actions[:first_pour], *pours[: int(rng.integers(1, 3))]]
-    for action in script[: int(rng.integers(len(script) + 1))]:
+    length = len(script) if rng.random() < _TO_THE_END else int(rng.integers(len(script) + 1))
+    for action in script[:length]:
         environment.execute(action)
     world = environment.world
     if rng.random() < _PERTURBED:

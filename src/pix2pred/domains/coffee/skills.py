@@ -33,6 +33,12 @@ from pix2pred.structs import Application
 CARRY_Z = TABLE_Z + 0.1 + GRIP.z
 """Height of the gripper when it carries the jug over the cups."""
 
+CARRY = Point(0.6, 1.42, CARRY_Z)
+"""Where the gripper brings the jug that it picked, be it from the table or from the machine.
+
+One place for both: otherwise the jug's place would tell whether it has been in the machine, which only its level shows.
+"""
+
 PICKABLE = 0.1
 """Largest angle of the jug at which its handle can be reached, in radians."""
 
@@ -88,6 +94,7 @@ def _pick(world: World) -> tuple[Primitive, ...]:
         Primitive(lifted, fingers=CLOSED),
         *way_out,
         Primitive(Point(last.x, last.y, CARRY_Z), fingers=CLOSED),
+        Primitive(CARRY, fingers=CLOSED),
     )
 
 

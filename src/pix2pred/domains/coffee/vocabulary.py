@@ -1,6 +1,7 @@
 """Types, skills and given predicates of the coffee domain (method 10.3).
 
-Hidden from the learner, and therefore no feature: how full jug and cups are, and whether the machine is on.
+Hidden from the learner, and therefore no feature: how full jug and cups are, whether the machine is on, and over which
+spot of the table jug and gripper are: where the jug was last brought tells what was filled last.
 """
 
 from __future__ import annotations
@@ -9,8 +10,8 @@ from collections.abc import Mapping
 
 from pix2pred.structs import FromDomain, Object, Predicate, Skill, Type
 
-ROBOT = Type("robot", ("x", "y", "z", "tilt", "wrist", "fingers"))
-JUG = Type("jug", ("x", "y", "z", "rot", "is_held"))
+ROBOT = Type("robot", ("z", "tilt", "wrist", "fingers"))
+JUG = Type("jug", ("z", "rot", "is_held"))
 MACHINE = Type("coffee_machine")
 CUP = Type("cup", ("x", "y", "z", "capacity"))
 
