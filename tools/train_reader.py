@@ -1,6 +1,10 @@
 """Train the offline reader of a domain from rendered pictures, and measure it on pictures it never saw.
 
     python tools/train_reader.py burger
+    python tools/train_reader.py kitchen --looks 300
+
+A domain has three modules for it: ``random_worlds`` (``random_worlds(seed, looks, per_look)`` gives worlds with a
+``types()`` method), ``render`` (``render(world)``) and ``truth`` (``concept_value(world, concept, names)``).
 
 Writes ``weights.npz`` and ``card.json`` into the domain's ``reader/`` folder. The scenes come from seeds used for
 nothing else: 7001 for training, 7002 for the card's accuracies (tests use 7003).
@@ -12,9 +16,12 @@ import argparse
 import json
 import time
 import warnings
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 import PIL.Image
@@ -25,10 +32,6 @@ from sklearn.decomposition import PCA
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPClassifier
 
-from pix2pred.domains.burger.random_worlds import random_worlds
-from pix2pred.domains.burger.render import render
-from pix2pred.domains.burger.truth import concept_value
-from pix2pred.domains.burger.world import World
 from pix2pred.vlm.pixels import Scene
 from pix2pred.vlm.reader_model import WEIGHTS, Projection, ReaderModel, inputs, load_words
 
@@ -40,6 +43,12 @@ MOST_SAMPLES = 5000
 Signature = tuple[str, ...]
 
 
+class World(Protocol):
+    """A scene of any domain."""
+
+    def types(self) -> Mapping[str, str]: ...
+
+
 @dataclass(frozen=True)
 class Case:
     """A concept asked about objects of one world."""
@@ -49,7 +58,12 @@ class Case:
     truth: bool
 
 
-def render_worlds(worlds: Sequence[World]) -> list[Scene]:
+def module(domain: str, name: str) -> Any:
+    return import_module(f"pix2pred.domains.{domain}.{name}")
+
+
+def render_worlds(domain: str, worlds: Sequence[World]) -> list[Scene]:
+    render = module(domain, "render").render
     scenes = [Scene(render(world)) for world in worlds]
     for scene in scenes:
         for name in scene.picture.boxes:
@@ -58,15 +72,18 @@ def render_worlds(worlds: Sequence[World]) -> list[Scene]:
     return scenes
 
 
-def read_worlds(seed: int, looks: int, per_look: int, jobs: int) -> tuple[list[World], list[Scene]]:
-    worlds = random_worlds(seed, looks, per_look)
+def read_worlds(domain: str, seed: int, looks: int, per_look: int, jobs: int) -> tuple[list[World], list[Scene]]:
+    worlds: list[World] = module(domain, "random_worlds").random_worlds(seed, looks, per_look)
     chunks = [worlds[i : i + per_look] for i in range(0, len(worlds), per_look)]
-    scenes = Parallel(n_jobs=jobs)(delayed(render_worlds)(chunk) for chunk in chunks)
+    scenes = Parallel(n_jobs=jobs)(delayed(render_worlds)(domain, chunk) for chunk in chunks)
     return worlds, [scene for chunk in scenes for scene in chunk]
 
 
-def cases(worlds: Sequence[World], concept: str, signature: Signature, rng: np.random.Generator) -> list[Case]:
+def cases(
+    domain: str, worlds: Sequence[World], concept: str, signature: Signature, rng: np.random.Generator
+) -> list[Case]:
     """All cases of a concept, at most MOST_SAMPLES / 2 of each truth value."""
+    concept_value = module(domain, "truth").concept_value
     found: dict[bool, list[Case]] = {True: [], False: []}
     for w, world in enumerate(worlds):
         by_type: dict[str, list[str]] = {}
@@ -119,39 +136,58 @@ def fit(x: NDArray[np.float32], y: NDArray[np.bool_]) -> dict[str, NDArray[np.fl
     return {key: np.asarray(value, dtype=np.float32) for key, value in arrays.items()}
 
 
-def measure(model: ReaderModel, worlds: Sequence[World], scenes: Sequence[Scene]) -> dict[str, dict[str, float]]:
-    """Balanced accuracy per word over all its signatures; Unknown counts as wrong."""
+def measure(
+    domain: str, model: ReaderModel, worlds: Sequence[World], scenes: Sequence[Scene]
+) -> dict[str, dict[str, float]]:
+    """Balanced accuracy per word over all its signatures, on objects that are visible; Unknown counts as wrong.
+
+    ``unknown`` is the share of visible cases answered Unknown, ``hidden`` the number of cases with a hidden object,
+    which are always Unknown.
+    """
     rng = np.random.default_rng(1)
     right: dict[str, dict[bool, list[int]]] = {}
+    unknown: Counter[str] = Counter()
+    hidden: Counter[str] = Counter()
     for word, signature in model.words.uses():
         if word.concept is None:
             continue
-        for case in cases(worlds, word.concept, signature, rng):
+        for case in cases(domain, worlds, word.concept, signature, rng):
             truth = case.truth != word.negated
             value, _ = model.value(word.word, case.names, signature, scenes[case.world])
+            if not is_visible(scenes[case.world], case.names):
+                assert value is None, "a hidden object was read"
+                hidden[word.word] += 1
+                continue
+            unknown[word.word] += value is None
             right.setdefault(word.word, {True: [], False: []})[truth].append(value == truth)
     return {
         word: {
             "balanced_accuracy": round(float(np.mean([np.mean(v) if v else 1.0 for v in by_truth.values()])), 4),
             "true_cases": len(by_truth[True]),
             "false_cases": len(by_truth[False]),
+            "unknown": round(unknown[word] / sum(len(v) for v in by_truth.values()), 4),
+            "hidden": hidden[word],
         }
         for word, by_truth in sorted(right.items())
     }
 
 
+def is_visible(scene: Scene, names: Sequence[str]) -> bool:
+    return all(scene.crops(name) is not None for name in names)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("domain", choices=["burger"])
+    parser.add_argument("domain", choices=["burger", "kitchen", "coffee"])
     parser.add_argument("--looks", type=int, default=550, help="differently drawn scenes")
+    parser.add_argument("--card-looks", type=int, default=60, help="differently drawn scenes for the card")
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
-    import pix2pred.domains.burger as package
-
-    directory = Path(package.__file__).parent / "reader"
+    domain: str = arguments.domain
+    directory = Path(import_module(f"pix2pred.domains.{domain}").__file__ or "").parent / "reader"
     words = load_words(directory)
     start = time.perf_counter()
-    worlds, scenes = read_worlds(TRAINING_SEED, arguments.looks, 5, arguments.jobs)
+    worlds, scenes = read_worlds(domain, TRAINING_SEED, arguments.looks, 5, arguments.jobs)
     print(f"{len(worlds)} pictures rendered in {time.perf_counter() - start:.0f} s", flush=True)
     projections = fit_projections(scenes, worlds)
     print(f"projections fitted, {time.perf_counter() - start:.0f} s", flush=True)
@@ -159,7 +195,8 @@ def main() -> None:
     keys = sorted({(w.concept, types) for w, types in words.uses() if w.concept is not None})
     samples = []
     for concept, signature in keys:
-        chosen = cases(worlds, concept, signature, rng)
+        chosen = cases(domain, worlds, concept, signature, rng)
+        chosen = [c for c in chosen if is_visible(scenes[c.world], c.names)]
         x = np.stack([inputs(scenes[c.world], projections, c.names, signature) for c in chosen])
         samples.append((x, np.array([c.truth for c in chosen])))
     print(f"{sum(len(y) for _, y in samples)} samples, {time.perf_counter() - start:.0f} s", flush=True)
@@ -177,7 +214,7 @@ def main() -> None:
         "what": "balanced accuracy per word on renders from seed 7002; Unknown counts as wrong",
         "digest": model.digest,
         "training_pictures": len(worlds),
-        "words": measure(model, *read_worlds(CARD_SEED, 60, 4, arguments.jobs)),
+        "words": measure(domain, model, *read_worlds(domain, CARD_SEED, arguments.card_looks, 4, arguments.jobs)),
     }
     (directory / "card.json").write_text(json.dumps(card, indent=1) + "\n")
     worst = sorted((w["balanced_accuracy"], name) for name, w in card["words"].items())[:12]  # type: ignore[attr-defined]

@@ -29,8 +29,9 @@ class _HorizonError(RuntimeError):
 class KitchenEnvironment:
     """An episode that starts in ``initial``. ``data`` is the ground truth; only states are meant to leave."""
 
-    def __init__(self, initial: World, goal: Sequence[Atom]) -> None:
+    def __init__(self, initial: World, goal: Sequence[Atom], horizon: int = HORIZON) -> None:
         self.steps = 0
+        self._horizon = horizon
         self._initial = initial
         self._goal = tuple(goal)
         self._sink: FrameSink | None = None
@@ -78,7 +79,7 @@ class KitchenEnvironment:
             run_skill(action, self._arm, self.data)
         except _HorizonError:
             return Step(
-                StepStatus.HORIZON, f"{action} had not ended when the episode's {HORIZON} commands were used up"
+                StepStatus.HORIZON, f"{action} had not ended when the episode's {self._horizon} commands were used up"
             )
         except DivergedError as error:
             self._show(before)
@@ -91,5 +92,5 @@ class KitchenEnvironment:
         self.steps += 1
         if self._sink and self.steps % _COMMANDS_PER_FRAME == 0:
             self._sink(kitchen_camera().pixels(self.data))
-        if self.steps >= HORIZON:
+        if self.steps >= self._horizon:
             raise _HorizonError

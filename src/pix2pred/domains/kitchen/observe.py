@@ -5,31 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from pix2pred.domains.kitchen.classifiers import features_of, true_atoms
-from pix2pred.domains.kitchen.model import geoms_of_objects, kitchen_camera, kitchen_model
-from pix2pred.domains.kitchen.world import World
-from pix2pred.domains.physics import mujoco_library
-from pix2pred.structs import Picture, State
+from pix2pred.domains.kitchen.render import picture_of
+from pix2pred.structs import State
 
 
 def observe(data: Any) -> State:
     """The state seen in a simulation."""
     return State((picture_of(data),), features_of(data), true_atoms(data))
-
-
-def picture_of(data: Any) -> Picture:
-    """The kitchen from the front, with the boxes of what is visible."""
-    return kitchen_camera().picture(data, geoms_of_objects())
-
-
-def simulation_of(world: World) -> Any:
-    """A simulation showing ``world``."""
-    mujoco = mujoco_library()
-    data = mujoco.MjData(kitchen_model())
-    data.qpos[:] = world.positions
-    mujoco.mj_forward(kitchen_model(), data)
-    return data
-
-
-def render(world: World) -> Picture:
-    """The picture of ``world``."""
-    return picture_of(simulation_of(world))

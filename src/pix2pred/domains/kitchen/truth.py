@@ -8,7 +8,7 @@ from typing import Any
 
 from pix2pred.domains.kitchen.classifiers import is_kettle_on, is_on, is_upright
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
-from pix2pred.domains.kitchen.observe import simulation_of
+from pix2pred.domains.kitchen.render import simulation_of
 from pix2pred.domains.kitchen.vocabulary import OBJECT_OF
 from pix2pred.domains.kitchen.world import World
 
@@ -33,18 +33,6 @@ def _kettle_on(data: Any, kettle: str, burner: str) -> bool:
     return is_kettle_on(data, burner)
 
 
-def _kettle_left(data: Any, kettle: str) -> bool:
-    return bool(data.body("kettle").xpos[0] < 0)
-
-
-def _kettle_front(data: Any, kettle: str) -> bool:
-    return bool(data.body("kettle").xpos[1] < 0.56)
-
-
-def _hot(data: Any, kettle: str) -> bool:
-    return any(is_on(data, f"knob{i}") and is_kettle_on(data, f"burner{i}") for i in range(1, 5))
-
-
 def _gripper_aside(data: Any, gripper: str) -> bool:
     return bool(data.site("end_effector").xpos[0] > 0.3)
 
@@ -54,10 +42,7 @@ CONCEPTS: Mapping[str, Concept] = {
     "has_kettle": Concept(("surface",), _has_kettle),
     "knob_turned": Concept(("knob",), is_on),
     "kettle_on": Concept(("kettle", "surface"), _kettle_on),
-    "kettle_left": Concept(("kettle",), _kettle_left),
-    "kettle_front": Concept(("kettle",), _kettle_front),
     "kettle_upright": Concept(("kettle",), lambda data, kettle: is_upright(data)),
-    "kettle_heated": Concept(("kettle",), _hot),
     "gripper_aside": Concept(("gripper",), _gripper_aside),
 }
 """Every word with a ground truth."""
