@@ -12,7 +12,7 @@ from pix2pred.domains.kitchen.scenes import LEFT, Split, boiling, push_kettle, s
 from pix2pred.domains.kitchen.truth import CONCEPTS, value_now
 from pix2pred.domains.kitchen.vocabulary import INITIAL, OBJECTS, TYPES
 from pix2pred.predicates import ground_atoms
-from pix2pred.structs import Candidate, Demo, FromVLM, LabelledDemo, Predicate, State, TruthTable
+from pix2pred.structs import Atom, Candidate, Demo, FromVLM, LabelledDemo, Predicate, State, TruthTable
 
 
 def visual(name: str, concept: str) -> Predicate:
@@ -21,7 +21,7 @@ def visual(name: str, concept: str) -> Predicate:
 
 
 def true_table(words: Mapping[str, str], seed: int = 0) -> tuple[TruthTable, tuple[Demo, ...]]:
-    """The demonstrations with every word (name -> concept) labelled perfectly, and with features instead of pictures."""
+    """The demonstrations with every word (name -> concept) labelled perfectly, and with features but no pictures."""
     predicates = {visual(name, concept): concept for name, concept in words.items()}
     atoms = tuple(ground_atoms((*INITIAL, *predicates), OBJECTS))
     labelled, demos = [], []
@@ -43,6 +43,8 @@ def true_table(words: Mapping[str, str], seed: int = 0) -> tuple[TruthTable, tup
     return TruthTable(INITIAL, pool, tuple(labelled)), tuple(demos)
 
 
-def _value(environment, predicates, atom, given):  # type: ignore[no-untyped-def]
+def _value(
+    environment: KitchenEnvironment, predicates: Mapping[Predicate, str], atom: Atom, given: frozenset[Atom]
+) -> bool:
     concept = predicates.get(atom.predicate)
     return atom in given if concept is None else value_now(environment, concept, [o.name for o in atom.objects])

@@ -19,6 +19,7 @@ from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
 from pix2pred.learning import TracesError
+from pix2pred.learning.samplers_file import SamplerFileError
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolderError
@@ -38,6 +39,7 @@ BAD_INPUT = (
     PictureError,
     RegistryError,
     RunFolderError,
+    SamplerFileError,
     TracesError,
     UnknownNameError,
     UnusableAnswersError,

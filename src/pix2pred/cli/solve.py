@@ -12,11 +12,12 @@ from pydantic import ValidationError
 from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, out, print_json, print_solved
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
+from pix2pred.learning.samplers_file import load_samplers
 from pix2pred.pipeline import Settings
 from pix2pred.predicates import Labeller
 from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_vlm, word_truth
 from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.runs import MODEL, solve_into
+from pix2pred.runs import MODEL, SAMPLERS, solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.structs.model_file import load_model
@@ -82,7 +83,8 @@ def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -
     if vlm.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {config['vlm']!r} is now {vlm.name}")
     labeller = Labeller(StoredVLM(vlm, AnswerStore(answers), StoreMode.RESUME), settings.labels)
-    return Solver(model, load_planner(planner), labeller, closed_loop), config
+    samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
+    return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
 
 
 def run_solving(
