@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pix2pred.execution import Solver, TruthOf
+from pix2pred.film import Film, FilmedEpisode
 from pix2pred.learning import dump_traces, selection_document
 from pix2pred.learning.samplers_file import dump_samplers
 from pix2pred.pipeline import Learned, Progress, Settings, learn
@@ -122,13 +123,19 @@ def solve_into(
     solver: Solver,
     environment_for: EnvironmentFor,
     progress: Callable[[int, int, str], None],
+    film: Film | None = None,
 ) -> Solved:
-    """Try every task once and write a file per episode, as soon as it ends."""
+    """Try every task once and write a file per episode, as soon as it ends; ``film`` records them all."""
     episodes = []
     for i, stored in enumerate(tasks):
         progress(i, len(tasks), stored.task.name)
         environment, truth = environment_for(stored)
-        episode = solver.solve(stored.task, environment, truth)
+        if film is None:
+            episode = solver.solve(stored.task, environment, truth)
+        else:
+            filmed = FilmedEpisode(environment, film, stored.task.name)
+            episode = solver.solve(stored.task, filmed, truth, filmed.announce)
+            filmed.conclude(["goal reached"] if episode.solved else [f"failed: {episode.failure}", episode.detail])
         run.write_json(f"solve/{name}/{stored.task.name}.json", episode_doc(episode))
         episodes.append(episode)
     progress(len(tasks), len(tasks), "")

@@ -18,6 +18,7 @@ from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
+from pix2pred.film import FilmError
 from pix2pred.learning import TracesError
 from pix2pred.learning.samplers_file import SamplerFileError
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
@@ -33,6 +34,7 @@ from pix2pred.vlm import VLMError
 BAD_INPUT = (
     EmptyProposalError,
     ExpressionError,
+    FilmError,
     FolderError,
     MissingExtraError,
     ModelFileError,

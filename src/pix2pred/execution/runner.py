@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from pix2pred.execution.diagnosis import TruthOf, correct_labels, wrong_labels
 from pix2pred.execution.episode import ClosedLoop, Outcome, actions_of, open_loop
-from pix2pred.execution.parameters import Parameters
+from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
 from pix2pred.planning import Planner
 from pix2pred.predicates import Abstraction, Labeller
 from pix2pred.structs import AbstractState, Atom, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
@@ -38,8 +38,17 @@ class Solver:
         seen = self._abstraction(task).start(task.initial)
         return seen, self._plan_from(task, seen)
 
-    def solve(self, task: Task, environment: Environment, truth: TruthOf | None = None) -> Episode:
-        """Plan and execute. ``truth`` knows the true values of visual atoms; it serves only to name a failure."""
+    def solve(
+        self,
+        task: Task,
+        environment: Environment,
+        truth: TruthOf | None = None,
+        announce: Announce = tell_nobody,
+    ) -> Episode:
+        """Plan and execute. ``truth`` knows the true values of visual atoms; it serves only to name a failure.
+
+        ``announce`` is told every step before it is run.
+        """
         environment.reset()
         task = self._in_our_words(task)
         abstraction = self._abstraction(task)
@@ -48,9 +57,9 @@ class Solver:
         outcome = None
         if result.status == PlanStatus.SOLVED and self.closed_loop:
             loop = ClosedLoop(lambda now: self._plan_from(task, now), task.goal)
-            outcome = loop.run(result.plan, seen, abstraction, environment, self._parameters(task))
+            outcome = loop.run(result.plan, seen, abstraction, environment, self._parameters(task, announce))
         elif result.status == PlanStatus.SOLVED:
-            outcome = open_loop(result.plan, environment, self._parameters(task))
+            outcome = open_loop(result.plan, environment, self._parameters(task, announce))
         failure: Failure | None = None
         detail, errors = "", tuple[str, ...]()
         if outcome is None or not outcome.goal_reached:
@@ -76,8 +85,8 @@ class Solver:
     def _abstraction(self, task: Task) -> Abstraction:
         return Abstraction(task.objects, self.model.predicates, self.labeller)
 
-    def _parameters(self, task: Task) -> Parameters:
-        return Parameters.for_task(self.samplers, self.seed, task.name)
+    def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
+        return Parameters.for_task(self.samplers, self.seed, task.name, announce)
 
     def _plan_from(self, task: Task, seen: AbstractState) -> PlanResult:
         found = self.planner.plan(self.model.operators, task.objects, seen, task.goal)

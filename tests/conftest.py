@@ -1,0 +1,22 @@
+"""Tests of optional extras: skipped where the extra is not installed, failed where nothing may be skipped."""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+
+import pytest
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "extra(*modules, extra): needs optional packages; see tests/extras.py")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    for mark in item.iter_markers("extra"):
+        missing = [module for module in mark.args if find_spec(module) is None]
+        if missing:
+            reason = f"needs {', '.join(missing)}: pip install 'pix2pred[{mark.kwargs['extra']}]'"
+            if os.environ.get("PIX2PRED_NO_SKIPS") == "1":
+                pytest.fail(reason, pytrace=False)
+            pytest.skip(reason)
