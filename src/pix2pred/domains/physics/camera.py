@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import atexit
-import os
 from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.domains.physics.library import OpenGLMissingError, mujoco_library
+from pix2pred.domains.physics.library import OpenGLMissingError, backend, mujoco_library
 from pix2pred.structs import Box, Image, Picture, Pixels
 
 SIZE = 480
@@ -74,11 +73,11 @@ class Camera:
 
     def _open(self) -> Any:
         if self._renderer is None:
-            mujoco = mujoco_library()
+            mujoco, used = mujoco_library(), backend()
             try:
                 self._renderer = mujoco.Renderer(self._model, self._size, self._size)
             except Exception as error:  # every backend fails in its own way
-                raise OpenGLMissingError(os.environ.get("MUJOCO_GL", "glfw"), error) from error
+                raise OpenGLMissingError(used, error) from error
             atexit.register(self.close)
         return self._renderer
 
