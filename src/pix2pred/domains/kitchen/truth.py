@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pix2pred.domains.kitchen.classifiers import is_kettle_on, is_on, is_upright
+from pix2pred.domains.kitchen.classifiers import is_kettle_on, is_on
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
 from pix2pred.domains.kitchen.render import simulation_of
 from pix2pred.domains.kitchen.vocabulary import OBJECT_OF
@@ -42,7 +42,6 @@ CONCEPTS: Mapping[str, Concept] = {
     "has_kettle": Concept(("surface",), _has_kettle),
     "knob_turned": Concept(("knob",), is_on),
     "kettle_on": Concept(("kettle", "surface"), _kettle_on),
-    "kettle_upright": Concept(("kettle",), lambda data, kettle: is_upright(data)),
     "gripper_aside": Concept(("gripper",), _gripper_aside),
 }
 """Every word with a ground truth."""
