@@ -1,4 +1,4 @@
-"""Tests of optional extras: skipped where the extra is not installed, unless skipping is not allowed."""
+"""Tests of optional extras: skipped where the extra is not installed, failed where nothing may be skipped."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from importlib.util import find_spec
 import pytest
 
 
-def need(module: str, *, extra: str) -> None:
-    """Skip the calling test or module without ``module``. ``PIX2PRED_NO_SKIPS=1`` makes that a failure."""
-    if find_spec(module) is None:
-        skip_or_fail(f"{module} is not installed; install it with: pip install 'pix2pred[{extra}]'")
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "extra(*modules, extra): needs optional packages; see tests/extras.py")
 
 
-def skip_or_fail(reason: str) -> None:
-    """Skip the calling test or module, or fail it where skips are not allowed."""
-    if os.environ.get("PIX2PRED_NO_SKIPS") == "1":
-        pytest.fail(reason, pytrace=False)
-    pytest.skip(reason, allow_module_level=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    for mark in item.iter_markers("extra"):
+        missing = [module for module in mark.args if find_spec(module) is None]
+        if missing:
+            reason = f"needs {', '.join(missing)}: pip install 'pix2pred[{mark.kwargs['extra']}]'"
+            if os.environ.get("PIX2PRED_NO_SKIPS") == "1":
+                pytest.fail(reason, pytrace=False)
+            pytest.skip(reason)

@@ -28,9 +28,11 @@ LOWER = set(MAY_IMPORT) - {"domains"}
 MAY_IMPORT |= {
     "pipeline": LOWER,
     "run_folder": {"structs"},
-    "runs": LOWER | {"pipeline", "run_folder"},
+    "film": {"structs"},
+    "runs": LOWER | {"pipeline", "run_folder", "film"},
     "registry": LOWER | {"pipeline", "domains"},
-    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "cli"},
+    "gym_envs": {"structs", "registry"},
+    "cli": LOWER | {"pipeline", "run_folder", "runs", "film", "registry", "cli"},
 }
 
 

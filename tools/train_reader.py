@@ -179,8 +179,9 @@ def measure(
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("domain", choices=["burger", "coffee"])
+    parser.add_argument("domain", choices=["burger", "coffee", "kitchen"])
     parser.add_argument("--looks", type=int, default=550, help="differently drawn scenes")
+    parser.add_argument("--card-looks", type=int, default=60, help="differently drawn scenes for the card")
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
     domain = str(arguments.domain)
@@ -213,7 +214,7 @@ def main() -> None:
         "what": "balanced accuracy per word on renders from seed 7002; Unknown counts as wrong",
         "digest": model.digest,
         "training_pictures": len(worlds),
-        "words": measure(domain, model, *read_worlds(domain, CARD_SEED, 60, 4, arguments.jobs)),
+        "words": measure(domain, model, *read_worlds(domain, CARD_SEED, arguments.card_looks, 4, arguments.jobs)),
     }
     (directory / "card.json").write_text(json.dumps(card, indent=1) + "\n")
     worst = sorted((w["balanced_accuracy"], name) for name, w in card["words"].items())[:12]  # type: ignore[attr-defined]

@@ -41,9 +41,18 @@ class RegistryError(ValueError):
     """A name that cannot be turned into what is asked for; the message says what would work."""
 
 
+def _domains() -> dict[str, str]:
+    return {e.name: e.value for e in entry_points(group="pix2pred.domains")} | _DOMAINS
+
+
+def domain_names() -> tuple[str, ...]:
+    """All domains: the bundled ones and those of other packages."""
+    return tuple(sorted(_domains()))
+
+
 def load_domain(name: str) -> Domain:
     """The domain called ``name``. Raises ``UnknownNameError``."""
-    found = {e.name: e.value for e in entry_points(group="pix2pred.domains")} | _DOMAINS
+    found = _domains()
     if name not in found:
         raise UnknownNameError("domain", name, found)
     made: Domain = _load(found[name])()

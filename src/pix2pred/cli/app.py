@@ -18,7 +18,9 @@ from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
+from pix2pred.film import FilmError
 from pix2pred.learning import TracesError
+from pix2pred.learning.samplers_file import SamplerFileError
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolderError
@@ -32,12 +34,14 @@ from pix2pred.vlm import VLMError
 BAD_INPUT = (
     EmptyProposalError,
     ExpressionError,
+    FilmError,
     FolderError,
     MissingExtraError,
     ModelFileError,
     PictureError,
     RegistryError,
     RunFolderError,
+    SamplerFileError,
     TracesError,
     UnknownNameError,
     UnusableAnswersError,

@@ -27,8 +27,10 @@ class Draw:
 class Sampler(Protocol):
     """Chooses parameters for one operator."""
 
-    name: str
-    """How it was made, e.g. ``gaussian``, ``torch`` or ``uniform``."""
+    @property
+    def name(self) -> str:
+        """How it was made, e.g. ``gaussian``, ``torch`` or ``uniform``."""
+        ...
 
     def sample(self, features: Features, objects: Sequence[Object], rng: np.random.Generator) -> Draw:
         """Parameters for the operator with its parameters bound, in order, to ``objects``."""

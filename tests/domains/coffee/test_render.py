@@ -93,17 +93,13 @@ def test_a_picture_does_not_depend_on_what_was_drawn_before(kitchen_table: World
 
 @pytest.mark.parametrize("backend", ["egl", "osmesa"])
 def test_another_process_draws_the_same_and_ends_in_silence(backend: str) -> None:
-    from ctypes.util import find_library
-
-    from conftest import skip_or_fail
-
-    if not find_library({"egl": "EGL", "osmesa": "OSMesa"}[backend]):
-        skip_or_fail(f"{backend} is not installed")
     environment = {**os.environ, "MUJOCO_GL": backend}
     run = [
         subprocess.run([sys.executable, "-c", DIGEST], env=environment, capture_output=True, text=True, timeout=300)
         for _ in range(2)
     ]
+    if "OpenGLMissingError" in run[0].stderr and os.environ.get("PIX2PRED_NO_SKIPS") != "1":
+        pytest.skip(f"OpenGL by {backend} is not installed here")
     assert [r.returncode for r in run] == [0, 0], run[0].stderr
     assert [r.stderr for r in run] == ["", ""]
     assert run[0].stdout == run[1].stdout != hashlib.sha256(b"").hexdigest()

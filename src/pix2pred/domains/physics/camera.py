@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import atexit
-import os
 from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.domains.physics.library import OpenGLMissingError, mujoco_library
+from pix2pred.domains.physics.library import OpenGLMissingError, backend, mujoco_library
 from pix2pred.structs import Box, Image, Picture, Pixels
 
 SIZE = 480
 """Pixels of a picture's sides."""
 
 LEAST_PIXELS = 24
-"""An object of which fewer pixels are seen is hidden: it gets no box."""
+"""An object of which fewer pixels are seen counts as hidden and gets no box, unless a camera says otherwise."""
 
 
 class Camera:
@@ -27,17 +26,20 @@ class Camera:
     give equal pixels on one machine. Drawing raises ``OpenGLMissingError`` where it is not possible.
     """
 
-    def __init__(self, model: Any, view: Any, name: str = "front", size: int = SIZE) -> None:
+    def __init__(
+        self, model: Any, view: Any, name: str = "front", size: int = SIZE, *, least_pixels: int = LEAST_PIXELS
+    ) -> None:
         self.name = name
         self._model = model
         self._view = view
         self._size = size
+        self._least = least_pixels
         self._renderer: Any = None
 
     def picture(self, data: Any, geoms: Mapping[str, Collection[int]]) -> Picture:
         """A picture with boxes around what is seen of the objects. ``geoms`` lists each object's geom ids."""
         pixels = self.pixels(data)
-        return Picture(self.name, Image.from_pixels(pixels), boxes_of(self._numbers(data), geoms))
+        return Picture(self.name, Image.from_pixels(pixels), boxes_of(self._numbers(data), geoms, self._least))
 
     def pixels(self, data: Any) -> Pixels:
         """The picture alone."""
@@ -71,20 +73,22 @@ class Camera:
 
     def _open(self) -> Any:
         if self._renderer is None:
-            mujoco = mujoco_library()
+            mujoco, used = mujoco_library(), backend()
             try:
                 self._renderer = mujoco.Renderer(self._model, self._size, self._size)
             except Exception as error:  # every backend fails in its own way
-                raise OpenGLMissingError(os.environ.get("MUJOCO_GL", "glfw"), error) from error
+                raise OpenGLMissingError(used, error) from error
             atexit.register(self.close)
         return self._renderer
 
 
-def boxes_of(numbers: NDArray[np.int32], geoms: Mapping[str, Collection[int]]) -> dict[str, Box]:
-    """The box around every object's visible pixels. ``numbers`` holds a geom id per pixel."""
+def boxes_of(
+    numbers: NDArray[np.int32], geoms: Mapping[str, Collection[int]], least: int = LEAST_PIXELS
+) -> dict[str, Box]:
+    """The box around every object's visible pixels, if at least ``least``. ``numbers`` holds a geom id per pixel."""
     boxes = {}
     for name in sorted(geoms):
         rows, columns = np.nonzero(np.isin(numbers, list(geoms[name])))
-        if len(rows) >= LEAST_PIXELS:
+        if len(rows) >= least:
             boxes[name] = Box(float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1))
     return boxes
