@@ -29,9 +29,11 @@ LOWER = set(MAY_IMPORT) - {"domains"}
 MAY_IMPORT |= {
     "pipeline": LOWER,
     "run_folder": {"structs"},
-    "runs": LOWER | {"pipeline", "run_folder"},
+    "film": {"structs"},
+    "runs": LOWER | {"pipeline", "run_folder", "film"},
     "registry": LOWER | {"pipeline", "domains"},
-    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "parallel", "cli"},
+    "gym_envs": {"structs", "registry"},
+    "cli": LOWER | {"pipeline", "run_folder", "runs", "film", "registry", "parallel", "cli"},
 }
 
 

@@ -1,17 +1,19 @@
 """The whole method on one page: from demonstrations to a world model, and from a task to an episode.
 
-propose -> lift -> (+ feature grammar) -> label -> select and learn operators      learn()
-abstract -> plan -> execute                                                        Solver (execution room)
+propose -> lift -> (+ feature grammar) -> label -> select, learn operators, learn samplers      learn()
+abstract -> plan -> execute                                                                     Solver (execution room)
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
+from pix2pred.learning.samplers import learn_samplers
+from pix2pred.learning.samplers_settings import SamplerSettings
 from pix2pred.predicates import (
     GrammarSettings,
     Labeller,
@@ -25,6 +27,7 @@ from pix2pred.predicates import (
     propose,
 )
 from pix2pred.structs import Demo, PictureError, Vocabulary, WorldModel
+from pix2pred.structs.samplers import Sampler
 from pix2pred.vlm import VLM
 
 
@@ -37,6 +40,7 @@ class Settings(BaseModel):
     labels: LabelSettings = Field(default_factory=LabelSettings)
     grammar: GrammarSettings = Field(default_factory=GrammarSettings)
     learning: LearningSettings = Field(default_factory=LearningSettings)
+    samplers: SamplerSettings = Field(default_factory=SamplerSettings)
     concurrent_queries: int = Field(4, ge=1, description="queries under way at once; never changes a result")
 
 
@@ -52,6 +56,7 @@ class Learned:
     proposals: tuple[Proposal, ...]
     labelling: Labelling
     selection: Selection
+    samplers: Mapping[str, Sampler]
 
 
 def learn(
@@ -61,7 +66,7 @@ def learn(
     settings: Settings,
     progress: Progress = lambda stage, done, total, text: None,
 ) -> Learned:
-    """Learn a world model from demonstrations (method 2-6).
+    """Learn a world model from demonstrations (method 2-7).
 
     Raises ``EmptyProposalError`` when the model proposes nothing usable, ``UnusableAnswersError`` when it labels
     nothing, ``VLMError`` when it cannot be asked, and ``PictureError`` for a state without readable pictures.
@@ -94,4 +99,5 @@ def learn(
     climb = hill_climbing(labelling.table, settings.learning)
     selection = climb.run(lambda done, total, name: progress("select", done, total, name))
     model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
-    return Learned(model, proposals, labelling, selection)
+    samplers = learn_samplers(selection.operators, demos, labelling.table.demos, settings.samplers.fitter())
+    return Learned(model, proposals, labelling, selection, samplers)

@@ -19,8 +19,16 @@ from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
 from pix2pred.vlm import VLM
 
-_DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
-_TRUTHS = {"burger": "pix2pred.domains.burger.truth:value_now"}
+_DOMAINS = {
+    "burger": "pix2pred.domains.burger:BurgerDomain",
+    "kitchen": "pix2pred.domains.kitchen:KitchenDomain",
+    "coffee": "pix2pred.domains.coffee:CoffeeDomain",
+}
+_TRUTHS = {
+    "burger": "pix2pred.domains.burger.truth:value_now",
+    "kitchen": "pix2pred.domains.kitchen.truth:value_now",
+    "coffee": "pix2pred.domains.coffee.truth:value_now",
+}
 
 SEARCHES: dict[str, Callable[[], Search]] = {
     "astar-lmcut": AStar,
@@ -34,9 +42,18 @@ class RegistryError(ValueError):
     """A name that cannot be turned into what is asked for; the message says what would work."""
 
 
+def _domains() -> dict[str, str]:
+    return {e.name: e.value for e in entry_points(group="pix2pred.domains")} | _DOMAINS
+
+
+def domain_names() -> tuple[str, ...]:
+    """All domains: the bundled ones and those of other packages."""
+    return tuple(sorted(_domains()))
+
+
 def load_domain(name: str) -> Domain:
     """The domain called ``name``. Raises ``UnknownNameError``."""
-    found = {e.name: e.value for e in entry_points(group="pix2pred.domains")} | _DOMAINS
+    found = _domains()
     if name not in found:
         raise UnknownNameError("domain", name, found)
     made: Domain = _load(found[name])()

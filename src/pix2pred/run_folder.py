@@ -5,7 +5,7 @@
     proposals.json               accepted and rejected atoms per demonstration
     labels/traces.json           the truth table, readable by ``pix2pred select``
     selection.json               the climb, step by step
-    model/                       world_model.json, domain.pddl
+    model/                       world_model.json, domain.pddl, samplers.npz (for skills with continuous parameters)
     metrics.json, timings.json   counts; seconds and queries
     solve/<name>/<task>.json     one file per episode
 
@@ -80,8 +80,12 @@ class RunFolder:
 
     def write(self, name: str, text: str) -> Path:
         """Write a text file, which appears complete or not at all."""
+        return self.write_bytes(name, text.encode())
+
+    def write_bytes(self, name: str, content: bytes) -> Path:
+        """Write a file, which appears complete or not at all."""
         path = self.path / name
-        write_whole(path, text.encode())
+        write_whole(path, content)
         return path
 
     def write_json(self, name: str, data: Any) -> Path:

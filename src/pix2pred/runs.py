@@ -9,17 +9,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from pix2pred.execution import Solver, TruthOf
+from pix2pred.film import Film, FilmedEpisode
 from pix2pred.learning import dump_traces, selection_document
+from pix2pred.learning.samplers_file import dump_samplers
 from pix2pred.pipeline import Learned, Progress, Settings, learn
 from pix2pred.planning.pddl_write import write_domain
 from pix2pred.predicates import READ, EmptyProposalError, Proposal, goal_warnings
 from pix2pred.run_folder import RunFolder
-from pix2pred.structs import UNKNOWN, Demo, Episode, Failure, Vocabulary
+from pix2pred.structs import UNKNOWN, Demo, Episode, ExecutedStep, Failure, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.structs.model_file import dump_model
 from pix2pred.vlm import CountingVLM
 
 MODEL = "model/world_model.json"
+SAMPLERS = "model/samplers.npz"
 
 
 def learn_into(
@@ -49,6 +52,8 @@ def learn_into(
     run.write("labels/traces.json", dump_traces(vocabulary, table, settings.learning.model_dump()))
     run.write_json("selection.json", selection_document(selection, settings.learning))
     run.write(MODEL, dump_model(learned.model))
+    if learned.samplers:
+        run.write_bytes(SAMPLERS, dump_samplers(learned.samplers))
     run.write("model/domain.pddl", write_domain(learned.model))
     metrics = {
         "labels_from": learned.model.labels_from,
@@ -66,6 +71,8 @@ def learn_into(
         "J": [round(step.j, 4) for step in selection.steps],
         "budget_hits": selection.budget_hits,
     }
+    if learned.samplers:
+        metrics["samplers"] = {name: sampler.name for name, sampler in learned.samplers.items()}
     run.write_json("metrics.json", metrics)
     stages = sorted(started.items(), key=lambda item: item[1])
     ends = [*(t for _, t in stages[1:]), start + seconds]
@@ -116,13 +123,19 @@ def solve_into(
     solver: Solver,
     environment_for: EnvironmentFor,
     progress: Callable[[int, int, str], None],
+    film: Film | None = None,
 ) -> Solved:
-    """Try every task once and write a file per episode, as soon as it ends."""
+    """Try every task once and write a file per episode, as soon as it ends; ``film`` records them all."""
     episodes = []
     for i, stored in enumerate(tasks):
         progress(i, len(tasks), stored.task.name)
         environment, truth = environment_for(stored)
-        episode = solver.solve(stored.task, environment, truth)
+        if film is None:
+            episode = solver.solve(stored.task, environment, truth)
+        else:
+            filmed = FilmedEpisode(environment, film, stored.task.name)
+            episode = solver.solve(stored.task, filmed, truth, filmed.announce)
+            filmed.conclude(["goal reached"] if episode.solved else [f"failed: {episode.failure}", episode.detail])
         run.write_json(f"solve/{name}/{stored.task.name}.json", episode_doc(episode))
         episodes.append(episode)
     progress(len(tasks), len(tasks), "")
@@ -139,11 +152,14 @@ def episode_doc(episode: Episode) -> Mapping[str, Any]:
         "failure": episode.failure.value if episode.failure else None,
         "detail": episode.detail,
         "plan": list(episode.plan),
-        "steps": [
-            {"action": s.action, "operator": s.operator, "status": s.status, "detail": s.detail} for s in episode.steps
-        ],
+        "steps": [_step_doc(step) for step in episode.steps],
         "true_visual_labels": [str(a) for a in episode.labels],
         "label_errors": list(episode.label_errors),
         "nodes": episode.nodes,
         "replans": episode.replans,
     }
+
+
+def _step_doc(step: ExecutedStep) -> dict[str, Any]:
+    doc = {"action": step.action, "operator": step.operator, "status": step.status, "detail": step.detail}
+    return doc | ({"sampler": step.sampler, "rejections": step.rejections} if step.sampler else {})

@@ -81,8 +81,8 @@ def cooking() -> tuple[World, World, list[Object]]:
 
 
 def test_word_accuracy_on_seeds_used_nowhere_else() -> None:
-    worlds, scenes = train_reader.read_worlds(TEST_SEED, 45, 4, jobs=2)
-    measured = train_reader.measure(model(), worlds, scenes)
+    worlds, scenes = train_reader.read_worlds("burger", TEST_SEED, 45, 4, jobs=2)
+    measured = train_reader.measure("burger", model(), worlds, scenes)
     assert len(measured) >= 20
     for word, row in measured.items():
         assert row["true_cases"] >= 30 and row["false_cases"] >= 30, word

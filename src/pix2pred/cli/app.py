@@ -18,15 +18,18 @@ from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
+from pix2pred.film import FilmError
 from pix2pred.learning import TracesError
 from pix2pred.parallel import BackendError
 from pix2pred.planning import ExternalPlannerError
+from pix2pred.learning.samplers_file import SamplerFileError
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolderError
 from pix2pred.structs import PictureError
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.expressions import ExpressionError
+from pix2pred.structs.extras import MissingExtraError
 from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
 
@@ -35,11 +38,14 @@ BAD_INPUT = (
     EmptyProposalError,
     ExpressionError,
     ExternalPlannerError,
+    FilmError,
     FolderError,
+    MissingExtraError,
     ModelFileError,
     PictureError,
     RegistryError,
     RunFolderError,
+    SamplerFileError,
     TracesError,
     UnknownNameError,
     UnusableAnswersError,

@@ -49,12 +49,17 @@ class Failure(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ExecutedStep:
-    """One skill of an episode: what was run and how it ended."""
+    """One skill of an episode: what was run and how it ended.
+
+    For a skill with continuous parameters also which sampler chose them, and how many draws it rejected before.
+    """
 
     action: str
     operator: str
     status: str
     detail: str
+    sampler: str = ""
+    rejections: int = 0
 
 
 @dataclass(frozen=True, slots=True)
