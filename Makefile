@@ -1,12 +1,13 @@
 # make demo   learn a burger world model from pictures and solve unseen tasks (no key, no network beyond installing)
 # make test   run the tests            make check   ruff and mypy --strict
+# make test-all   install every extra and run the tests that need one; none may be skipped
 # Every target sets up .venv by itself. PYTHON=python3.12 make demo   uses another interpreter.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check clean
+.PHONY: demo test test-all check clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/run.stamp: pyproject.toml
@@ -20,11 +21,18 @@ $(VENV)/dev.stamp: $(VENV)/run.stamp
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@touch $@
 
+$(VENV)/all.stamp: $(VENV)/dev.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,all]'
+	@touch $@
+
 demo: $(VENV)/run.stamp
 	$(BIN)/pix2pred demo
 
 test: $(VENV)/dev.stamp
 	$(BIN)/python -m pytest
+
+test-all: $(VENV)/all.stamp
+	PIX2PRED_NO_SKIPS=1 $(BIN)/python -m pytest -m extra
 
 check: $(VENV)/dev.stamp
 	$(BIN)/ruff check
