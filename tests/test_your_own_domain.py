@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from pix2pred.pipeline import Settings, learn
 from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.registry import load_domain
+from pix2pred.structs import Failure
 from pix2pred.structs.views import View
 from pix2pred.vlm.answering import KnownWord
 from pix2pred.vlm.oracle import NoisyOracle
@@ -60,6 +62,14 @@ def test_the_example_learns_and_solves(package: Path) -> None:
         episode = solver.solve(stored.task, domain.environment(stored.task, stored.simulator))
         assert episode.solved, (episode.detail, episode.steps)
         assert {s.sampler for s in episode.steps if s.action.startswith("Press")} == {"gaussian"}
+    unlearned = replace(solver, samplers={})
+    tried = [
+        unlearned.solve(stored.task, domain.environment(stored.task, stored.simulator))
+        for stored in domain.tasks("photographs", 2, 6)
+    ]
+    failed = [episode for episode in tried if not episode.solved]
+    assert failed and {episode.failure for episode in failed} == {Failure.SKILL}
+    assert "not pressed hard enough" in failed[0].detail and "'uniform'" in failed[0].detail
 
 
 def test_the_command_line_writes_and_checks_its_project(package: Path) -> None:
