@@ -111,11 +111,12 @@ def draws(sampler: Sampler, names: Sequence[str], worlds: Sequence[World], seed:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tries", type=int, default=30, help="unseen kettles per sampler")
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, help="numbers of demonstrations")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
     args = parser.parse_args()
     begin = time.perf_counter()
-    pushes = Parallel(n_jobs=args.jobs)(delayed(demonstrate)(args.seed, i) for i in range(max(SIZES)))
+    pushes = Parallel(n_jobs=args.jobs)(delayed(demonstrate)(args.seed, i) for i in range(max(args.sizes)))
     rng = np.random.default_rng(np.random.SeedSequence((args.seed, 12)))
     worlds = [start(rng) for _ in range(args.tries)]
 
@@ -129,7 +130,7 @@ def main() -> None:
     print(f"evenly from the whole box: {success(anywhere)}; only the height evenly: {success(heights)}", flush=True)
     print("\n| demonstrations | of which worked | default | torch | mean of all | mean of those that worked |")
     print("|---|---|---|---|---|---|", flush=True)
-    for size in SIZES:
+    for size in args.sizes:
         chosen = pushes[:size]
         cells = []
         for fit in (fit_gaussian, fit_networks):

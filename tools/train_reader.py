@@ -177,18 +177,11 @@ def measure(
     }
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("domain", choices=["burger", "coffee", "kitchen"])
-    parser.add_argument("--looks", type=int, default=550, help="differently drawn scenes")
-    parser.add_argument("--card-looks", type=int, default=60, help="differently drawn scenes for the card")
-    parser.add_argument("--jobs", type=int, default=2)
-    arguments = parser.parse_args()
-    domain = str(arguments.domain)
-    directory = Path(str(part_of(domain, "truth").__file__)).parent / "reader"
+def train(domain: str, directory: Path, looks: int, jobs: int) -> int:
+    """Fit the classifiers and write their weights; gives the number of pictures they are trained on."""
     words = load_words(directory)
     start = time.perf_counter()
-    worlds, scenes = read_worlds(domain, TRAINING_SEED, arguments.looks, 5, arguments.jobs)
+    worlds, scenes = read_worlds(domain, TRAINING_SEED, looks, 5, jobs)
     print(f"{len(worlds)} pictures rendered in {time.perf_counter() - start:.0f} s", flush=True)
     projections = fit_projections(scenes, worlds)
     print(f"projections fitted, {time.perf_counter() - start:.0f} s", flush=True)
@@ -200,7 +193,7 @@ def main() -> None:
         x = np.stack([inputs(scenes[c.world], projections, c.names, signature) for c in chosen])
         samples.append((x, np.array([c.truth for c in chosen])))
     print(f"{sum(len(y) for _, y in samples)} samples, {time.perf_counter() - start:.0f} s", flush=True)
-    fitted = Parallel(n_jobs=arguments.jobs)(delayed(fit)(x, y) for x, y in samples)
+    fitted = Parallel(n_jobs=jobs)(delayed(fit)(x, y) for x, y in samples)
     arrays: dict[str, NDArray[np.generic]] = {}
     for type_name, p in projections.items():
         arrays[f"projection|{type_name}|mean"] = p.mean.astype(np.float16)
@@ -209,15 +202,33 @@ def main() -> None:
         for part, array in parts.items():
             arrays["|".join(("classifier", concept, *signature, part))] = array
     np.savez_compressed(directory / WEIGHTS, **arrays)  # type: ignore[arg-type]
+    return len(worlds)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("domain", choices=["burger", "coffee", "kitchen"])
+    parser.add_argument("--looks", type=int, default=550, help="differently drawn scenes")
+    parser.add_argument("--card-looks", type=int, default=60, help="differently drawn scenes for the card")
+    parser.add_argument("--card-only", action="store_true", help="measure the weights that are there")
+    parser.add_argument("--jobs", type=int, default=2)
+    arguments = parser.parse_args()
+    domain = str(arguments.domain)
+    directory = Path(str(part_of(domain, "truth").__file__)).parent / "reader"
+    start = time.perf_counter()
+    if arguments.card_only:
+        pictures = json.loads((directory / "card.json").read_text())["training_pictures"]
+    else:
+        pictures = train(domain, directory, arguments.looks, arguments.jobs)
     model = ReaderModel.load(directory)
     card = {
         "what": "balanced accuracy per word on renders from seed 7002; Unknown counts as wrong",
         "digest": model.digest,
-        "training_pictures": len(worlds),
+        "training_pictures": pictures,
         "words": measure(domain, model, *read_worlds(domain, CARD_SEED, arguments.card_looks, 4, arguments.jobs)),
     }
     (directory / "card.json").write_text(json.dumps(card, indent=1) + "\n")
-    worst = sorted((w["balanced_accuracy"], name) for name, w in card["words"].items())[:12]  # type: ignore[attr-defined]
+    worst = sorted((w["balanced_accuracy"], name) for name, w in card["words"].items())[:12]
     print(f"done in {time.perf_counter() - start:.0f} s; lowest: {worst}")
 
 

@@ -110,7 +110,9 @@ class FilmedEpisode:
         """The step of a plan that comes next."""
         if self._rolling:
             effects = [f"+ {atom}" for atom in sorted(operator.add)] + [f"- {atom}" for atom in sorted(operator.delete)]
-            self._film.say(shown_action(action), *effects)
+            params = "with " + ", ".join(f"{p:.3f}" for p in action.params) if action.params else ""
+            skill = f"{action.skill.name}({', '.join(o.name for o in action.objects)})"
+            self._film.say(skill, *([params] if params else []), *effects)
 
     def reset(self) -> None:
         """Start the episode over."""
@@ -149,12 +151,6 @@ class FilmedEpisode:
         self._film.say(self._title, *words)
         if self._rolling:
             self._film.hold(_pixels(self._inner.observe()), _END)
-
-
-def shown_action(action: Action) -> str:
-    """An action with parameters short enough to read."""
-    params = ", ".join(f"{p:.3f}" for p in action.params)
-    return f"{action.skill.name}({', '.join(o.name for o in action.objects)})" + (f" [{params}]" if params else "")
 
 
 def _pixels(state: State) -> Pixels:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pix2pred.structs import Action, ExecutedStep, GroundOperator
+from pix2pred.structs import Action, ExecutedStep, GroundOperator, Task
 from pix2pred.structs.environment import Environment, Step
 from pix2pred.structs.samplers import Draw, Sampler, UniformSampler
 
@@ -30,10 +30,11 @@ class Parameters:
 
     @classmethod
     def for_task(
-        cls, samplers: Mapping[str, Sampler], seed: int, task: str, announce: Announce = tell_nobody
+        cls, samplers: Mapping[str, Sampler], seed: int, task: Task, announce: Announce = tell_nobody
     ) -> Parameters:
-        """Parameters drawn from a generator of ``(seed, name of the task)``."""
-        words = np.frombuffer(hashlib.sha256(task.encode()).digest(), dtype=np.uint32)
+        """Parameters drawn from a generator of the seed, the task's name and its initial features."""
+        start = sorted((o.name, values) for o, values in task.initial.features.items())
+        words = np.frombuffer(hashlib.sha256(f"{task.name}{start}".encode()).digest(), dtype=np.uint32)
         return cls(samplers, np.random.default_rng(np.random.SeedSequence((seed, *(int(w) for w in words)))), announce)
 
     def choose(self, ground: GroundOperator, environment: Environment) -> tuple[Action, Draw | None]:

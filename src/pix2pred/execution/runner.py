@@ -21,7 +21,7 @@ class Solver:
 
     ``closed_loop`` looks after every skill and plans again when needed; otherwise one plan is executed open loop, as
     the paper does in simulation. ``max_skills`` is the longest plan accepted. ``samplers`` choose continuous
-    parameters, by operator; their draws depend on ``seed`` and the task's name alone.
+    parameters, by operator; their draws depend on ``seed`` and the task alone.
     """
 
     model: WorldModel
@@ -86,7 +86,7 @@ class Solver:
         return Abstraction(task.objects, self.model.predicates, self.labeller)
 
     def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
-        return Parameters.for_task(self.samplers, self.seed, task.name, announce)
+        return Parameters.for_task(self.samplers, self.seed, task, announce)
 
     def _plan_from(self, task: Task, seen: AbstractState) -> PlanResult:
         found = self.planner.plan(self.model.operators, task.objects, seen, task.goal)

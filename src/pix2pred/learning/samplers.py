@@ -26,7 +26,7 @@ from pix2pred.structs.samplers import Draw, Features, Sampler, clip_to_box
 Arrays = Mapping[str, NDArray[np.generic]]
 
 PRIOR_EXAMPLES = 3.0
-PRIOR_SPREAD = 0.025
+PRIOR_SPREAD = 0.015
 """Part of the box's side that is the spread of parameters before anything is seen."""
 
 LEAST_SPREAD = 0.005

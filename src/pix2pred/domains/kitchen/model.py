@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from pix2pred.domains.kitchen.vocabulary import OBJECT_OF
 from pix2pred.domains.physics import Camera, mujoco_library
 from pix2pred.domains.physics.camera import SIZE
 from pix2pred.structs.extras import MissingExtraError
@@ -33,8 +34,8 @@ _HANDLES: Mapping[str, tuple[str, str]] = {
 }
 """Doors are known by their handles: the body and the site on its handle."""
 
-_LEAST_PIXELS = 350
-"""An object of which fewer pixels are seen is hidden; a burner in full view has some 2500."""
+_LEAST_PIXELS: Mapping[str, int] = {name: 800 if name.startswith("burner") else 300 for name in OBJECT_OF}
+"""An object of which fewer pixels are seen is hidden: about a third of what a burner, half of what a knob shows."""
 
 _HANDLE_REACH, _HANDLE_SIZE = 0.2, 0.25
 """Geoms of a door that are near the handle's site and not larger (metres) belong to the handle."""

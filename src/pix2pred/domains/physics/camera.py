@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 from collections.abc import Collection, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,13 @@ class Camera:
     """
 
     def __init__(
-        self, model: Any, view: Any, name: str = "front", size: int = SIZE, *, least_pixels: int = LEAST_PIXELS
+        self,
+        model: Any,
+        view: Any,
+        name: str = "front",
+        size: int = SIZE,
+        *,
+        least_pixels: Mapping[str, int] = MappingProxyType({}),
     ) -> None:
         self.name = name
         self._model = model
@@ -83,12 +90,12 @@ class Camera:
 
 
 def boxes_of(
-    numbers: NDArray[np.int32], geoms: Mapping[str, Collection[int]], least: int = LEAST_PIXELS
+    numbers: NDArray[np.int32], geoms: Mapping[str, Collection[int]], least: Mapping[str, int] = MappingProxyType({})
 ) -> dict[str, Box]:
-    """The box around every object's visible pixels, if at least ``least``. ``numbers`` holds a geom id per pixel."""
+    """The box around every object's visible pixels, if there are enough. ``numbers`` holds a geom id per pixel."""
     boxes = {}
     for name in sorted(geoms):
         rows, columns = np.nonzero(np.isin(numbers, list(geoms[name])))
-        if len(rows) >= least:
+        if len(rows) >= least.get(name, LEAST_PIXELS):
             boxes[name] = Box(float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1))
     return boxes
