@@ -25,7 +25,7 @@ from pix2pred.predicates import (
     propose,
 )
 from pix2pred.structs import Demo, PictureError, Vocabulary, WorldModel
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, FlowSettings
 
 
 class Settings(BaseModel):
@@ -37,7 +37,7 @@ class Settings(BaseModel):
     labels: LabelSettings = Field(default_factory=LabelSettings)
     grammar: GrammarSettings = Field(default_factory=GrammarSettings)
     learning: LearningSettings = Field(default_factory=LearningSettings)
-    concurrent_queries: int = Field(4, ge=1, description="queries under way at once; never changes a result")
+    flow: FlowSettings = Field(default_factory=FlowSettings)
 
 
 Progress = Callable[[str, int, int, str], None]
@@ -66,11 +66,29 @@ def learn(
     Raises ``EmptyProposalError`` when the model proposes nothing usable, ``UnusableAnswersError`` when it labels
     nothing, ``VLMError`` when it cannot be asked, and ``PictureError`` for a state without readable pictures.
     """
+    proposals, labelling = ask_everything(vocabulary, demos, vlm, settings, progress)
+    progress("select", 0, len(labelling.table.candidates()), "")
+    climb = HillClimbing(
+        labelling.table, settings.learning, skeleton_search(settings.learning), tie_rule(settings.learning)
+    )
+    selection = climb.run(lambda done, total, name: progress("select", done, total, name))
+    model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
+    return Learned(model, proposals, labelling, selection)
+
+
+def ask_everything(
+    vocabulary: Vocabulary,
+    demos: Sequence[Demo],
+    vlm: VLM,
+    settings: Settings,
+    progress: Progress = lambda stage, done, total, text: None,
+) -> tuple[tuple[Proposal, ...], Labelling]:
+    """The part of the method that asks the model: proposals and the truth table (method 2-4). Raises as ``learn``."""
     for demo in demos:
         for t, state in enumerate(demo.states):
             if not state.pictures:
                 raise PictureError(f"demonstration {demo.name}: state {t} has no picture to ask about")
-    jobs = settings.concurrent_queries
+    jobs = settings.flow.concurrent
     progress("propose", 0, len(demos), "")
     proposals = propose(
         demos,
@@ -90,10 +108,4 @@ def learn(
         jobs=jobs,
         progress=lambda done, total, name: progress("label", done, total, name),
     )
-    progress("select", 0, len(labelling.table.candidates()), "")
-    climb = HillClimbing(
-        labelling.table, settings.learning, skeleton_search(settings.learning), tie_rule(settings.learning)
-    )
-    selection = climb.run(lambda done, total, name: progress("select", done, total, name))
-    model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
-    return Learned(model, proposals, labelling, selection)
+    return proposals, labelling

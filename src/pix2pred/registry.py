@@ -7,16 +7,25 @@ arguments that implements ``structs.environment.Domain``.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any
 
 from pix2pred.execution import TruthOf
+from pix2pred.images import ShownPictures
 from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio, Search
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
+from pix2pred.vlm.breaker import BreakerVLM
+from pix2pred.vlm.budget import BudgetVLM
+from pix2pred.vlm.estimate import EstimatingVLM
+from pix2pred.vlm.flow import FlowVLM
+from pix2pred.vlm.model_names import ModelNameError, hosted_model
+from pix2pred.vlm.replay import AbsentVLM, replayed
 
 _DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
 _TRUTHS = {"burger": "pix2pred.domains.burger.truth:value_now"}
@@ -48,10 +57,61 @@ def check_family(domain: Domain, family: str) -> None:
         raise UnknownNameError("family", family, domain.families)
 
 
-def load_vlm(spec: str, domain: str | None) -> VLM:
-    """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
-    if spec != "offline":
-        raise RegistryError(f"--vlm {spec}: the only model of this release is 'offline'")
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a run may spend on a hosted model."""
+
+    max_requests: int | None = None
+    max_cost: float | None = None
+
+
+NO_LIMITS = Limits()
+_DEFAULT_FLOW = FlowSettings()
+
+
+def load_vlm(
+    spec: str,
+    domain: str | None,
+    store: AnswerStore,
+    mode: StoreMode = StoreMode.RESUME,
+    flow: FlowSettings = _DEFAULT_FLOW,
+    limits: Limits = NO_LIMITS,
+) -> StoredVLM:
+    """The model that ``--vlm`` names, behind its answer store. ``offline`` is the reader of the bundled ``domain``."""
+    kind, _, rest = spec.partition(":")
+    if spec == "offline":
+        return StoredVLM(_offline(domain), store, mode)
+    if kind == "replay" and rest:
+        folder = AnswerStore(Path(rest))
+        return StoredVLM(replayed(folder), folder, StoreMode.REPLAY)
+    if kind == "mailbox" and rest:
+        from pix2pred.vlm.mailbox import MailboxVLM
+
+        mailbox = MailboxVLM(Path(rest), ShownPictures())
+        return StoredVLM(mailbox, store, mode, mailbox.stop)
+    try:
+        model = hosted_model(spec)
+    except ModelNameError as error:
+        raise RegistryError(str(error)) from error
+    if mode == StoreMode.REPLAY:
+        return StoredVLM(AbsentVLM(model.name), store, mode)
+    from pix2pred.vlm.hosted import HostedVLM
+
+    hosted = HostedVLM(model, ShownPictures(), flow.timeout)
+    flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
+    hosted.hold = flowing.hold
+    return StoredVLM(BreakerVLM(flowing, flow.unusable_in_a_row), store, mode, flowing.stop)
+
+
+def load_estimator(spec: str, domain: str | None, store: AnswerStore) -> EstimatingVLM:
+    """What counts the questions that ``spec`` would be asked, for which neither key nor network is needed."""
+    kind, _, rest = spec.partition(":")
+    if kind in ("offline", "replay", "mailbox"):
+        return EstimatingVLM(load_vlm(spec, domain, store, StoreMode.REPLAY), "", "")
+    return EstimatingVLM(load_vlm(spec, domain, store, StoreMode.REPLAY), kind, rest.partition("@http")[0])
+
+
+def _offline(domain: str | None) -> VLM:
     reader = load_domain(domain).reader if domain else None
     if reader is None:
         raise RegistryError("the offline reader knows only the bundled domains; name a model with --vlm for your data")

@@ -20,7 +20,7 @@ from pix2pred.runs import MODEL, solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.structs.model_file import load_model
-from pix2pred.vlm import AnswerStore, StoredVLM, StoreMode
+from pix2pred.vlm import AnswerStore
 
 
 def solve(
@@ -74,14 +74,14 @@ def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -
     model = load_model(folder.path / MODEL)
     try:
         settings = Settings.model_validate(config["settings"])
-        vlm = load_vlm(config["vlm"], config["simulator"].get("domain"))
-        answers = Path(config["answers"]) if config["answers"] else folder.path
+        answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
+        vlm = load_vlm(config["vlm"], config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
         raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
     if vlm.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {config['vlm']!r} is now {vlm.name}")
-    labeller = Labeller(StoredVLM(vlm, AnswerStore(answers), StoreMode.RESUME), settings.labels)
+    labeller = Labeller(vlm, settings.labels)
     return Solver(model, load_planner(planner), labeller, closed_loop), config
 
 
