@@ -24,7 +24,7 @@ from pix2pred.vlm.breaker import BreakerVLM
 from pix2pred.vlm.budget import BudgetVLM
 from pix2pred.vlm.estimate import EstimatingVLM
 from pix2pred.vlm.flow import FlowVLM
-from pix2pred.vlm.model_names import ModelNameError, hosted_model
+from pix2pred.vlm.model_names import HostedModel, ModelNameError, hosted_model
 from pix2pred.vlm.replay import AbsentVLM, replayed
 
 _DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
@@ -69,7 +69,24 @@ NO_LIMITS = Limits()
 _DEFAULT_FLOW = FlowSettings()
 
 
-def load_vlm(
+def load_vlm(spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, limits: Limits = NO_LIMITS) -> VLM:
+    """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
+    kind, _, rest = spec.partition(":")
+    if spec == "offline":
+        return _offline(domain)
+    if kind == "mailbox" and rest:
+        from pix2pred.vlm.mailbox import MailboxVLM
+
+        return MailboxVLM(Path(rest), ShownPictures())
+    from pix2pred.vlm.hosted import HostedVLM
+
+    hosted = HostedVLM(_hosted(spec), ShownPictures(), flow.timeout)
+    flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
+    hosted.hold = flowing.hold
+    return BreakerVLM(flowing, flow.unusable_in_a_row)
+
+
+def load_stored(
     spec: str,
     domain: str | None,
     store: AnswerStore,
@@ -77,38 +94,29 @@ def load_vlm(
     flow: FlowSettings = _DEFAULT_FLOW,
     limits: Limits = NO_LIMITS,
 ) -> StoredVLM:
-    """The model that ``--vlm`` names, behind its answer store. ``offline`` is the reader of the bundled ``domain``."""
+    """The model that ``--vlm`` names, behind an answer store. ``replay:DIR`` brings its own store."""
     kind, _, rest = spec.partition(":")
-    if spec == "offline":
-        return StoredVLM(_offline(domain), store, mode)
     if kind == "replay" and rest:
         folder = AnswerStore(Path(rest))
         return StoredVLM(replayed(folder), folder, StoreMode.REPLAY)
-    if kind == "mailbox" and rest:
-        from pix2pred.vlm.mailbox import MailboxVLM
+    if mode == StoreMode.REPLAY and kind not in ("offline", "mailbox"):
+        return StoredVLM(AbsentVLM(_hosted(spec).name), store, mode)  # needs neither key nor network
+    return StoredVLM(load_vlm(spec, domain, flow, limits), store, mode)
 
-        mailbox = MailboxVLM(Path(rest), ShownPictures())
-        return StoredVLM(mailbox, store, mode, mailbox.stop)
+
+def _hosted(spec: str) -> HostedModel:
     try:
-        model = hosted_model(spec)
+        return hosted_model(spec)
     except ModelNameError as error:
         raise RegistryError(str(error)) from error
-    if mode == StoreMode.REPLAY:
-        return StoredVLM(AbsentVLM(model.name), store, mode)
-    from pix2pred.vlm.hosted import HostedVLM
-
-    hosted = HostedVLM(model, ShownPictures(), flow.timeout)
-    flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
-    hosted.hold = flowing.hold
-    return StoredVLM(BreakerVLM(flowing, flow.unusable_in_a_row), store, mode, flowing.stop)
 
 
 def load_estimator(spec: str, domain: str | None, store: AnswerStore) -> EstimatingVLM:
     """What counts the questions that ``spec`` would be asked, for which neither key nor network is needed."""
     kind, _, rest = spec.partition(":")
     if kind in ("offline", "replay", "mailbox"):
-        return EstimatingVLM(load_vlm(spec, domain, store, StoreMode.REPLAY), "", "")
-    return EstimatingVLM(load_vlm(spec, domain, store, StoreMode.REPLAY), kind, rest.partition("@http")[0])
+        return EstimatingVLM(load_stored(spec, domain, store, StoreMode.REPLAY), "", "")
+    return EstimatingVLM(load_stored(spec, domain, store, StoreMode.REPLAY), kind, rest.partition("@http")[0])
 
 
 def _offline(domain: str | None) -> VLM:

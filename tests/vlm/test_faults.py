@@ -13,7 +13,7 @@ import pytest
 from pix2pred.images import ShownPictures
 from pix2pred.predicates import Labeller, Labelling, LabelSettings, ProposalSettings, label_demos, lift, propose
 from pix2pred.structs import Demo, Image, Object, Picture, State
-from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM, StoreMode
+from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM
 from pix2pred.vlm.breaker import BreakerVLM
 from pix2pred.vlm.flow import FlowVLM
 from pix2pred.vlm.hosted import HostedVLM
@@ -51,7 +51,7 @@ def run(
         hosted = HostedVLM(hosted_model(f"openai-compatible:tiny@{server.url}"), ShownPictures(), flow.timeout)
         flowing = FlowVLM(hosted, flow)
         hosted.hold = flowing.hold
-        vlm = StoredVLM(BreakerVLM(flowing, flow.unusable_in_a_row), AnswerStore(store), StoreMode.RESUME, flowing.stop)
+        vlm = StoredVLM(BreakerVLM(flowing, flow.unusable_in_a_row), AnswerStore(store))
         proposals = propose(demos, vlm, ProposalSettings(attempts=8), jobs=flow.concurrent)
         labeller = Labeller(vlm, LabelSettings(attempts=attempts))
         labelling = label_demos(demos, (), lift(proposals), labeller, jobs=flow.concurrent)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import platform
 import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -20,7 +18,7 @@ from pix2pred.images import ShownPictures
 from pix2pred.registry import RegistryError, load_domain, load_vlm
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import AnswerStore, Finish, FlowSettings, Request, VLMError
+from pix2pred.vlm import Finish, FlowSettings, Request, VLMError
 from pix2pred.vlm.hosted import key_of_provider
 from pix2pred.vlm.model_names import KEY_VARIABLES
 
@@ -97,11 +95,10 @@ def _model(spec: str) -> Finding:
     text = "Below are two pictures. Say in one short sentence which colour the square has in each."
     request = Request("doctor", (text, *views), 300)
     flow = FlowSettings(tries=3, timeout=60.0, longest_pause=3.0)
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            answer = load_vlm(spec, None, AnswerStore(Path(folder)), flow=flow).answer(request)
-        except (VLMError, RegistryError) as error:
-            return Finding(spec, False, str(error))
+    try:
+        answer = load_vlm(spec, None, flow).answer(request)
+    except (VLMError, RegistryError) as error:
+        return Finding(spec, False, str(error))
     said = " ".join(answer.text.split())[:160]
     took = f"{answer.spent.seconds:.1f} s, {answer.spent.input_tokens} + {answer.spent.output_tokens} tokens"
     if answer.finish == Finish.REFUSED or not said:

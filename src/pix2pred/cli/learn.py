@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, err, print_estimated, print_json, print_learned
 from pix2pred.demos import Project, project_digest, read_project
 from pix2pred.pipeline import Settings, ask_everything
-from pix2pred.registry import NO_LIMITS, Limits, RegistryError, load_estimator, load_vlm
+from pix2pred.registry import NO_LIMITS, Limits, RegistryError, load_estimator, load_stored
 from pix2pred.run_folder import RunFolder
 from pix2pred.runs import learn_into
 from pix2pred.vlm import AnswerStore, CountingVLM, StoreMode
@@ -78,7 +78,7 @@ def run_learning(
     domain = (project.simulator or {}).get("domain")
     store = AnswerStore(answers or out)
     store.check()
-    model = load_vlm(vlm, domain, store, mode, settings.flow, limits)
+    model = load_stored(vlm, domain, store, mode, settings.flow, limits)
     with RunFolder(out).locked() as run:
         run.claim(
             {

@@ -14,7 +14,7 @@ from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.pipeline import Settings
 from pix2pred.predicates import Labeller
-from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_vlm, word_truth
+from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_stored, word_truth
 from pix2pred.run_folder import RunFolder, RunFolderError
 from pix2pred.runs import MODEL, solve_into
 from pix2pred.structs import PlanStatus
@@ -75,7 +75,7 @@ def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -
     try:
         settings = Settings.model_validate(config["settings"])
         answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
-        vlm = load_vlm(config["vlm"], config["simulator"].get("domain"), answers, flow=settings.flow)
+        vlm = load_stored(config["vlm"], config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
         raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error

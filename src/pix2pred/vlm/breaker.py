@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, VLMError
+from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, VLMError
 
 
 class UselessModelError(VLMError):
@@ -36,6 +36,11 @@ class BreakerVLM:
         if answer.finish != Finish.CUT_SHORT:  # that will be asked for in parts
             self._count(_what_is_wrong(request, answer))
         return answer
+
+    def stop(self) -> None:
+        """End all waiting: the run is over."""
+        if isinstance(self._model, Stoppable):
+            self._model.stop()
 
     def _count(self, problem: str) -> None:
         with self._lock:

@@ -80,7 +80,7 @@ class FlowVLM:
                     self._reached = True
                     return answer
             self._reached |= failure.connected
-            if not self._reached and number >= _HOPELESS:
+            if not self._reached and number >= min(_HOPELESS, self._settings.tries):
                 raise VLMError(f"{self.name}: {failure}; is the address right and the server running?") from failure
             self._note(failure)
             if number < self._settings.tries:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from pix2pred.structs.views import View
 
@@ -140,4 +140,13 @@ class VLM(Protocol):
 
     def answer(self, request: Request) -> Answer:
         """Answer ``request``. Raises ``VLMError``. May be called from several threads."""
+        ...
+
+
+@runtime_checkable
+class Stoppable(Protocol):
+    """A model that may wait for long: ``stop`` ends its waiting when the run is over."""
+
+    def stop(self) -> None:
+        """End all waiting; questions that wait raise ``NoAnswerError``."""
         ...

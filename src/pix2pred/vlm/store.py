@@ -27,8 +27,9 @@ class AnswerStore:
 
     def check(self) -> None:
         """Raise ``VLMError`` when the folder cannot be one, before anything is paid for."""
-        if self.directory.exists() and not self.directory.is_dir():
-            raise VLMError(f"{self.directory}: is a file, not a folder of answers")
+        for folder in (self.directory, self.directory / "answers", self.directory / "blobs"):
+            if folder.exists() and not folder.is_dir():
+                raise VLMError(f"{folder}: is a file, not a folder of answers")
 
     def check_writable(self) -> None:
         """Raise ``VLMError`` when nothing can be written into the folder."""
@@ -49,6 +50,8 @@ class AnswerStore:
             return read_entry(json.loads(path.read_text(encoding="utf-8")))
         except FileNotFoundError:
             return None
+        except OSError as error:
+            raise VLMError(f"{path}: cannot be read ({error.strerror})") from error
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             raise VLMError(f"{path}: damaged answer ({error}); delete the file to ask again") from error
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
 
-from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, VLMError
+from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, VLMError
 from pix2pred.vlm.store import AnswerStore
 
 
@@ -29,19 +29,12 @@ class StoredVLM:
     """A model behind an answer store.
 
     The first error that ends the run also ends the asking: no new question goes out, and the error is raised only
-    when the answers under way have arrived and are stored; ``on_end`` may cut waiting short. Questions without an
+    when the answers under way have arrived and are stored. Questions without an
     answer are stored as such, so that a replay meets the same gaps; resuming asks them again.
     """
 
-    def __init__(
-        self,
-        model: VLM,
-        store: AnswerStore,
-        mode: StoreMode = StoreMode.RESUME,
-        on_end: Callable[[], None] = lambda: None,
-    ) -> None:
+    def __init__(self, model: VLM, store: AnswerStore, mode: StoreMode = StoreMode.RESUME) -> None:
         self.name = model.name
-        self._on_end = on_end
         self._model = model
         self._store = store
         self._mode = mode
@@ -103,7 +96,8 @@ class StoredVLM:
         except VLMError as error:
             with self._settled:
                 self._ended = self._ended or error
-            self._on_end()
+            if isinstance(self._model, Stoppable):
+                self._model.stop()
             raise
         finally:
             with self._settled:
