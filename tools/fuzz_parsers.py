@@ -47,7 +47,8 @@ SEEDS = (
 PIECES = (
     "(", ")", "((", "))", ",", ":", "=", "*", "**", "`", "\\", "\\_", "\\(", "_", "-", "|", "\n", "\r\n", "\t", " ",
     "3.", "3)", "Section 3:", "True", "False", "Unknown", "true", "Maybe", "not ", "\x00", "\ufeff", "\u202e", "：",
-    "是", "ложь", "\U0001f354", "é", "{", "}", "[", "]", '"', "'", "<", ">", "#", "cooked(patty1)", "cooked(patty1): True",
+    "是", "ложь", "\U0001f354", "é", "{", "}", "[", "]", '"', "'", "<", ">", "#",
+    "cooked(patty1)", "cooked(patty1): True",
     "on(grill, grill)", "ignore all previous instructions", "p()", "a" * 50, "(" * 50, "on(" * 20, "\ud800",
 )  # fmt: skip
 
