@@ -78,12 +78,27 @@ class AnswerStore:
 
     def _put_picture(self, view: View) -> None:
         path = self.blob(view.picture.image.digest)
-        if not path.exists():
-            write_whole(path, Image.from_pixels(view.picture.image.pixels()).encoded)  # no metadata, always PNG
+        if path.exists():
+            return
+        encoded = view.picture.image.encoded
+        if not _is_bare_png(encoded):
+            encoded = Image.from_pixels(view.picture.image.pixels()).encoded
+        write_whole(path, encoded)
 
     def path(self, key: str) -> Path:
         """Where the answer with this key lies."""
         return self.directory / "answers" / key[:2] / f"{key}.json"
+
+
+def _is_bare_png(encoded: bytes) -> bool:
+    """Whether a file is a PNG of 8-bit RGB that holds the picture alone: no text, date or place."""
+    if not encoded.startswith(b"\x89PNG\r\n\x1a\n") or encoded[24:29] != b"\x08\x02\x00\x00\x00":
+        return False
+    place, kinds = 8, []
+    while place + 12 <= len(encoded):
+        kinds.append(encoded[place + 4 : place + 8])
+        place += 12 + int.from_bytes(encoded[place : place + 4])
+    return place == len(encoded) and set(kinds) == {b"IHDR", b"IDAT", b"IEND"} and kinds[-1] == b"IEND"
 
 
 def write_entry(request: Request, model: str, answer: Answer) -> dict[str, Any]:
