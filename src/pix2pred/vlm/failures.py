@@ -17,7 +17,7 @@ from pix2pred.vlm.model_names import KEY_VARIABLES, HostedModel
 from pix2pred.vlm.request import NoAnswerError, VLMError
 
 _UNKNOWN_MODEL = re.compile(r"\bmodel\b.{0,200}(not found|not exist|unknown|not supported|not available|no such)", re.I)
-_PINNED_MODEL = re.compile(r"(pinned|only serves|is serving|restricted to).{0,80}\bmodel\b", re.I | re.DOTALL)
+_PINNED_MODEL = re.compile(r"(pinned|restricted) to\b|only serves", re.I)
 
 
 def translated(error: Exception, model: HostedModel, key: str | None, timeout: float) -> VLMError:
