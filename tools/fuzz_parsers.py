@@ -93,9 +93,9 @@ def check(text: str) -> None:
             assert said.lower() == word, f"{atom}: {word} is not where it was said to be"
     proposal = read_proposal(DEMO, text, ProposalSettings(max_atoms=5))
     assert len(proposal.accepted) <= 5
-    for atom in proposal.accepted:
-        assert atom.objects and set(atom.objects) <= set(OBJECTS), "an object outside the demonstration"
-        assert len(set(atom.objects)) == len(atom.objects) and atom.name.isidentifier()
+    for proposed in proposal.accepted:
+        assert proposed.objects and set(proposed.objects) <= set(OBJECTS), "an object outside the demonstration"
+        assert len(set(proposed.objects)) == len(proposed.objects) and proposed.name.isidentifier()
 
 
 HOSTILE = {

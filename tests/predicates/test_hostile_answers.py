@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fuzz_parsers
+from pix2pred.predicates.parse_labels import parse_labels
 
 
 @settings(max_examples=300, deadline=None)
@@ -26,5 +27,5 @@ def test_the_check_can_fail() -> None:
     found = fuzz_parsers.check
     for seed in fuzz_parsers.SEEDS:
         found(seed)
-    assert fuzz_parsers.parse_labels(fuzz_parsers.SEEDS[2], fuzz_parsers.QUERY).missing == ()
-    assert len(fuzz_parsers.parse_labels(fuzz_parsers.SEEDS[0], fuzz_parsers.QUERY).values) == 5
+    assert parse_labels(fuzz_parsers.SEEDS[2], fuzz_parsers.QUERY).missing == ()
+    assert len(parse_labels(fuzz_parsers.SEEDS[0], fuzz_parsers.QUERY).values) == 5

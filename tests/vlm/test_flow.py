@@ -39,7 +39,7 @@ class Paused(FlowVLM):
     def __init__(self, model: Script, **settings: float) -> None:
         self.pauses: list[float] = []
         self.now = 0.0
-        super().__init__(model, FlowSettings(**settings), clock=lambda: self.now, jitter=lambda: 0.5)  # type: ignore[arg-type]
+        super().__init__(model, FlowSettings(**settings), clock=lambda: self.now, jitter=lambda: 0.5)
 
     def _pause(self, seconds: float) -> None:
         self.pauses.append(seconds)
@@ -185,7 +185,12 @@ def nonsense(text: str) -> Review | None:
 
 
 def test_the_breaker_opens_after_useless_answers_in_a_row_and_keeps_the_last() -> None:
-    said = [Answer("True"), Answer("la la"), NoAnswerError("HTTP 500, 9 times"), Answer("Sorry", finish=Finish.REFUSED)]
+    said: list[Answer | Exception] = [
+        Answer("True"),
+        Answer("la la"),
+        NoAnswerError("HTTP 500, 9 times"),
+        Answer("Sorry", finish=Finish.REFUSED),
+    ]
     model = Script([*said, Answer("la")])
     breaker = BreakerVLM(model, 3)
     request = replace(REQUEST, review=nonsense)
