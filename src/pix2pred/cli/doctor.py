@@ -58,7 +58,7 @@ def doctor(
     else:
         signs = {True: "ok", None: "--", False: "NO"}
         for finding in findings:
-            out.print(f"{signs[finding.ok]:<3}{finding.what:<28}{finding.detail}", markup=False, soft_wrap=True)
+            out.print(f"{signs[finding.ok]:<3}{finding.what:<27} {finding.detail}", markup=False, soft_wrap=True)
     return 1 if any(f.ok is False for f in findings) else 0
 
 
