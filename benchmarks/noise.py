@@ -18,12 +18,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from joblib import Parallel, delayed
 
 from burger_pool import NEEDED, true_state, workload, wrong_labels
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.world import World
 from pix2pred.execution.episode import open_loop
+from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
 from pix2pred.registry import load_planner
 from pix2pred.structs import PlanStatus
@@ -70,7 +72,7 @@ def solved(family: str, selection: Selection, meaning: Any, seed: int, count: in
         if found.status == PlanStatus.SOLVED and len(found.plan) <= 200:
             environment = domain().environment(item.task, item.simulator)
             environment.reset()
-            total += open_loop(found.plan, environment).goal_reached
+            total += open_loop(found.plan, environment, Parameters({}, np.random.default_rng(0))).goal_reached
     return total
 
 

@@ -28,7 +28,7 @@ from pix2pred.predicates import (
 )
 from pix2pred.structs import Demo, PictureError, Vocabulary, WorldModel
 from pix2pred.structs.samplers import Sampler
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, FlowSettings
 
 
 class Settings(BaseModel):
@@ -41,7 +41,7 @@ class Settings(BaseModel):
     grammar: GrammarSettings = Field(default_factory=GrammarSettings)
     learning: LearningSettings = Field(default_factory=LearningSettings)
     samplers: SamplerSettings = Field(default_factory=SamplerSettings)
-    concurrent_queries: int = Field(4, ge=1, description="queries under way at once; never changes a result")
+    flow: FlowSettings = Field(default_factory=FlowSettings)
 
 
 Progress = Callable[[str, int, int, str], None]
@@ -71,11 +71,28 @@ def learn(
     Raises ``EmptyProposalError`` when the model proposes nothing usable, ``UnusableAnswersError`` when it labels
     nothing, ``VLMError`` when it cannot be asked, and ``PictureError`` for a state without readable pictures.
     """
+    proposals, labelling = ask_everything(vocabulary, demos, vlm, settings, progress)
+    progress("select", 0, len(labelling.table.candidates()), "")
+    climb = hill_climbing(labelling.table, settings.learning)
+    selection = climb.run(lambda done, total, name: progress("select", done, total, name))
+    model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
+    samplers = learn_samplers(selection.operators, demos, labelling.table.demos, settings.samplers.fitter())
+    return Learned(model, proposals, labelling, selection, samplers)
+
+
+def ask_everything(
+    vocabulary: Vocabulary,
+    demos: Sequence[Demo],
+    vlm: VLM,
+    settings: Settings,
+    progress: Progress = lambda stage, done, total, text: None,
+) -> tuple[tuple[Proposal, ...], Labelling]:
+    """The part of the method that asks the model: proposals and the truth table (method 2-4). Raises as ``learn``."""
     for demo in demos:
         for t, state in enumerate(demo.states):
             if not state.pictures:
                 raise PictureError(f"demonstration {demo.name}: state {t} has no picture to ask about")
-    jobs = settings.concurrent_queries
+    jobs = settings.flow.concurrent
     progress("propose", 0, len(demos), "")
     proposals = propose(
         demos,
@@ -95,9 +112,4 @@ def learn(
         jobs=jobs,
         progress=lambda done, total, name: progress("label", done, total, name),
     )
-    progress("select", 0, len(labelling.table.candidates()), "")
-    climb = hill_climbing(labelling.table, settings.learning)
-    selection = climb.run(lambda done, total, name: progress("select", done, total, name))
-    model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
-    samplers = learn_samplers(selection.operators, demos, labelling.table.demos, settings.samplers.fitter())
-    return Learned(model, proposals, labelling, selection, samplers)
+    return proposals, labelling

@@ -7,17 +7,26 @@ arguments that implements ``structs.environment.Domain``.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any
 
 from pix2pred.execution import TruthOf
+from pix2pred.images import ShownPictures
 from pix2pred.planning import AStar, ExternalPlanner, GreedyBestFirst, Planner, Portfolio, Search, TaskPlanner
 from pix2pred.planning.external import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
+from pix2pred.vlm.breaker import BreakerVLM
+from pix2pred.vlm.budget import BudgetVLM
+from pix2pred.vlm.estimate import EstimatingVLM
+from pix2pred.vlm.flow import FlowVLM
+from pix2pred.vlm.model_names import HostedModel, ModelNameError, hosted_model
+from pix2pred.vlm.replay import AbsentVLM, replayed
 
 _DOMAINS = {
     "burger": "pix2pred.domains.burger:BurgerDomain",
@@ -66,10 +75,69 @@ def check_family(domain: Domain, family: str) -> None:
         raise UnknownNameError("family", family, domain.families)
 
 
-def load_vlm(spec: str, domain: str | None) -> VLM:
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a run may spend on a hosted model."""
+
+    max_requests: int | None = None
+    max_cost: float | None = None
+
+
+NO_LIMITS = Limits()
+_DEFAULT_FLOW = FlowSettings()
+
+
+def load_vlm(spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, limits: Limits = NO_LIMITS) -> VLM:
     """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
-    if spec != "offline":
-        raise RegistryError(f"--vlm {spec}: the only model of this release is 'offline'")
+    kind, _, rest = spec.partition(":")
+    if spec == "offline":
+        return _offline(domain)
+    if kind == "mailbox" and rest:
+        from pix2pred.vlm.mailbox import MailboxVLM
+
+        return MailboxVLM(Path(rest), ShownPictures())
+    from pix2pred.vlm.hosted import HostedVLM
+
+    hosted = HostedVLM(_hosted(spec), ShownPictures(), flow.timeout)
+    flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
+    hosted.hold = flowing.hold
+    return BreakerVLM(flowing, flow.unusable_in_a_row)
+
+
+def load_stored(
+    spec: str,
+    domain: str | None,
+    store: AnswerStore,
+    mode: StoreMode = StoreMode.RESUME,
+    flow: FlowSettings = _DEFAULT_FLOW,
+    limits: Limits = NO_LIMITS,
+) -> StoredVLM:
+    """The model that ``--vlm`` names, behind an answer store. ``replay:DIR`` brings its own store."""
+    kind, _, rest = spec.partition(":")
+    if kind == "replay" and rest:
+        folder = AnswerStore(Path(rest))
+        return StoredVLM(replayed(folder), folder, StoreMode.REPLAY)
+    if mode == StoreMode.REPLAY and kind not in ("offline", "mailbox"):
+        return StoredVLM(AbsentVLM(_hosted(spec).name), store, mode)  # needs neither key nor network
+    return StoredVLM(load_vlm(spec, domain, flow, limits), store, mode)
+
+
+def _hosted(spec: str) -> HostedModel:
+    try:
+        return hosted_model(spec)
+    except ModelNameError as error:
+        raise RegistryError(str(error)) from error
+
+
+def load_estimator(spec: str, domain: str | None, store: AnswerStore) -> EstimatingVLM:
+    """What counts the questions that ``spec`` would be asked, for which neither key nor network is needed."""
+    kind, _, rest = spec.partition(":")
+    if kind in ("offline", "replay", "mailbox"):
+        return EstimatingVLM(load_stored(spec, domain, store, StoreMode.REPLAY), "", "")
+    return EstimatingVLM(load_stored(spec, domain, store, StoreMode.REPLAY), kind, rest.partition("@http")[0])
+
+
+def _offline(domain: str | None) -> VLM:
     reader = load_domain(domain).reader if domain else None
     if reader is None:
         raise RegistryError("the offline reader knows only the bundled domains; name a model with --vlm for your data")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from pix2pred.execution import Solver, TruthOf
@@ -23,6 +23,7 @@ from pix2pred.vlm import CountingVLM
 
 MODEL = "model/world_model.json"
 SAMPLERS = "model/samplers.npz"
+_SHOWN_GAPS = 5
 
 
 def learn_into(
@@ -37,10 +38,15 @@ def learn_into(
     started: dict[str, float] = {}
     start = time.perf_counter()
 
-    def timed(stage: str, done: int, total: int, text: str) -> None:
-        started.setdefault(stage, time.perf_counter())
-        progress(stage, done, total, text)
+    latest: tuple[str, int, int] = ("propose", 0, len(demos))
 
+    def timed(stage: str, done: int, total: int, text: str) -> None:
+        nonlocal latest
+        started.setdefault(stage, time.perf_counter())
+        latest = (stage, done, total)
+        progress(stage, done, total, text if stage == "select" else vlm.usage.line())
+
+    vlm.on_answer = lambda: progress(*latest, vlm.usage.line())
     try:
         learned = learn(vocabulary, demos, vlm, settings, timed)
     except EmptyProposalError as error:
@@ -50,6 +56,7 @@ def learn_into(
     table, selection = learned.labelling.table, learned.selection
     run.write_json("proposals.json", [_proposal_doc(p) for p in learned.proposals])
     run.write("labels/traces.json", dump_traces(vocabulary, table, settings.learning.model_dump()))
+    run.write_json("labels/gaps.json", [asdict(gap) for gap in learned.labelling.gaps])
     run.write_json("selection.json", selection_document(selection, settings.learning))
     run.write(MODEL, dump_model(learned.model))
     if learned.samplers:
@@ -65,7 +72,8 @@ def learn_into(
         "labels": sum(d.values.size for d in table.demos),
         "unknown_labels": table.count(UNKNOWN),
         "label_problems": dict(sorted((k, v) for k, v in learned.labelling.counts.items() if v and k != READ)),
-        "warnings": goal_warnings(table.demos),
+        "labels_without_answer": sum(len(gap.atoms) for gap in learned.labelling.gaps),
+        "warnings": goal_warnings(table.demos) + _gap_warnings(learned),
         "selected": [p.name for p in selection.selected],
         "operators": len(selection.operators),
         "J": [round(step.j, 4) for step in selection.steps],
@@ -82,9 +90,21 @@ def learn_into(
             "seconds": round(seconds, 3),
             "stages": {name: round(end - begin, 3) for (name, begin), end in zip(stages, ends, strict=True)},
             "queries": vlm.usage.as_dict(),
+            "demonstrations": vlm.usage.demos_dict(),
+            "flow": settings.flow.model_dump(),
         },
     )
     return learned, metrics | {"seconds": round(seconds, 3)}
+
+
+def _gap_warnings(learned: Learned) -> list[str]:
+    """One line per demonstration without a whole proposal, and per state and reason for which labels are missing."""
+    lines = [f"{p.demo}: proposal: {p.problem}" for p in learned.proposals if p.problem]
+    gaps = learned.labelling.gaps
+    lines += [f"{g.about}: {g.purpose}: no value for {len(g.atoms)} atoms ({g.reason})" for g in gaps[:_SHOWN_GAPS]]
+    if len(gaps) > _SHOWN_GAPS:
+        lines.append(f"and {len(gaps) - _SHOWN_GAPS} more such gaps; all are in labels/gaps.json")
+    return lines
 
 
 def _proposal_doc(proposal: Proposal) -> dict[str, Any]:
@@ -92,6 +112,7 @@ def _proposal_doc(proposal: Proposal) -> dict[str, Any]:
         "demo": proposal.demo,
         "accepted": [f"{a.name}({', '.join(o.name for o in a.objects)})" for a in proposal.accepted],
         "rejected": [{"text": r.text, "reason": r.reason} for r in proposal.rejected],
+        **({"problem": proposal.problem} if proposal.problem else {}),
     }
 
 

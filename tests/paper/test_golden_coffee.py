@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import coffee_truth
@@ -15,7 +16,8 @@ from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
 from pix2pred.domains.coffee.vocabulary import GIVEN
 from pix2pred.execution.episode import open_loop
-from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, skeleton_search, tie_rule
+from pix2pred.execution.parameters import Parameters
+from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
 from pix2pred.planning import AStar, Planner
 from pix2pred.structs import LiftedAtom, Operator, PlanStatus, TruthTable
 
@@ -59,7 +61,7 @@ def test_one_missed_label_gives_the_eleventh() -> None:
 def test_the_printed_predicates_are_selected(early_stop: str) -> None:
     settings = LearningSettings.model_validate({**SETTINGS, "early_stop": early_stop})
     table = coffee_truth.true_table(WORDS)
-    selection = HillClimbing(table, settings, skeleton_search(settings), tie_rule(settings)).run()
+    selection = hill_climbing(table, settings).run()
     assert {p.name for p in selection.selected} == set(WORDS)
     assert selection.steps[0].j > 5000 and selection.steps[-1].j < 200
 
@@ -84,5 +86,5 @@ def test_plans_have_the_computed_lengths_and_work(cups: int, length: int, turned
     assert found.status == PlanStatus.SOLVED
     assert len(found.plan) == length + turned_away
     episode = CoffeeEnvironment(world, GIVEN, goal, AboveCup.ANYWHERE)
-    outcome = open_loop(found.plan, episode)
+    outcome = open_loop(found.plan, episode, Parameters({}, np.random.default_rng(0)))
     assert outcome.goal_reached, outcome.detail

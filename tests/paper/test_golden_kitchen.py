@@ -9,7 +9,7 @@ import pytest
 import golden
 import kitchen_truth
 from extras import need
-from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, skeleton_search, tie_rule
+from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
 from pix2pred.learning.selection import Selection
 from pix2pred.predicates import GrammarSettings, Labeller, LabelSettings, feature_predicates, label_demos
 from pix2pred.structs import Demo, FromFeatures, LiftedAtom, Operator, TruthTable
@@ -39,7 +39,7 @@ def shape(op: Operator, rename: str) -> tuple[object, ...]:
 
 
 def select(table: TruthTable) -> Selection:
-    return HillClimbing(table, SETTINGS, skeleton_search(SETTINGS), tie_rule(SETTINGS)).run()
+    return hill_climbing(table, SETTINGS).run()
 
 
 def test_the_two_printed_operators_are_learned_exactly() -> None:

@@ -11,8 +11,10 @@ from collections.abc import Sequence
 from cyclopts import App, CycloptsError
 
 from pix2pred import __version__
+from pix2pred.cli.answers import answers
 from pix2pred.cli.data import check, generate
 from pix2pred.cli.demo import demo
+from pix2pred.cli.doctor import doctor
 from pix2pred.cli.learn import learn
 from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.select import select
@@ -20,9 +22,9 @@ from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
 from pix2pred.film import FilmError
 from pix2pred.learning import TracesError
+from pix2pred.learning.samplers_file import SamplerFileError
 from pix2pred.parallel import BackendError
 from pix2pred.planning import ExternalPlannerError
-from pix2pred.learning.samplers_file import SamplerFileError
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolderError
@@ -32,6 +34,8 @@ from pix2pred.structs.expressions import ExpressionError
 from pix2pred.structs.extras import MissingExtraError
 from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
+from pix2pred.vlm.breaker import UselessModelError
+from pix2pred.vlm.budget import BudgetError
 
 BAD_INPUT = (
     BackendError,
@@ -53,14 +57,18 @@ BAD_INPUT = (
 )
 """Errors that users can cause and put right; their messages say how."""
 
+STOPPED = (BudgetError, UselessModelError)
+"""Errors that end a run which was asked for rightly."""
+
 app = App(
     name="pix2pred",
     version=__version__,
     suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (demo, generate, check, learn, solve, select, plan_pddl):
+for _verb in (demo, generate, check, learn, solve, select, plan_pddl, doctor):
     app.command(_verb)
+app.command(answers)
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -77,6 +85,9 @@ def run(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("\ninterrupted; the same command goes on where this one stopped", file=sys.stderr)
         return 130
+    except STOPPED as error:
+        _complain(str(error))
+        return 1
     except BAD_INPUT as error:
         return _complain(str(error))
     except OSError as error:

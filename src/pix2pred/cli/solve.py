@@ -17,13 +17,13 @@ from pix2pred.film import Film
 from pix2pred.learning.samplers_file import load_samplers
 from pix2pred.pipeline import Settings
 from pix2pred.predicates import Labeller
-from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_vlm, word_truth
+from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_stored, word_truth
 from pix2pred.run_folder import RunFolder, RunFolderError
 from pix2pred.runs import MODEL, SAMPLERS, solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.structs.model_file import load_model
-from pix2pred.vlm import AnswerStore, StoredVLM, StoreMode
+from pix2pred.vlm import AnswerStore
 
 
 def solve(
@@ -80,14 +80,14 @@ def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -
     model = load_model(folder.path / MODEL)
     try:
         settings = Settings.model_validate(config["settings"])
-        vlm = load_vlm(config["vlm"], config["simulator"].get("domain"))
-        answers = Path(config["answers"]) if config["answers"] else folder.path
+        answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
+        vlm = load_stored(config["vlm"], config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
         raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
     if vlm.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {config['vlm']!r} is now {vlm.name}")
-    labeller = Labeller(StoredVLM(vlm, AnswerStore(answers), StoreMode.RESUME), settings.labels)
+    labeller = Labeller(vlm, settings.labels)
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
     return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
 

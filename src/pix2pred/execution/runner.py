@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from pix2pred.execution.diagnosis import TruthOf, correct_labels, wrong_labels
 from pix2pred.execution.episode import ClosedLoop, Outcome, actions_of, open_loop
-from pix2pred.planning import TaskPlanner
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
+from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Abstraction, Labeller
 from pix2pred.structs import AbstractState, Atom, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
 from pix2pred.structs.environment import Environment, StepStatus

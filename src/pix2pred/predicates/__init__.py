@@ -1,8 +1,10 @@
 """From pictures to symbols: proposing, labelling, and feature predicates."""
 
 from pix2pred.predicates.abstraction import Abstraction
+from pix2pred.predicates.asking import READ, Gap
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
-from pix2pred.predicates.label import READ, Labeller, LabelSettings, StateLabels, UnusableAnswersError
+from pix2pred.predicates.label import Labeller, StateLabels, Step, UnusableAnswersError
+from pix2pred.predicates.label_settings import LabelSettings
 from pix2pred.predicates.propose import (
     EmptyProposalError,
     Proposal,
@@ -18,6 +20,7 @@ __all__ = [
     "READ",
     "Abstraction",
     "EmptyProposalError",
+    "Gap",
     "GrammarSettings",
     "LabelSettings",
     "Labeller",
@@ -27,6 +30,7 @@ __all__ = [
     "ProposedAtom",
     "Rejection",
     "StateLabels",
+    "Step",
     "UnusableAnswersError",
     "feature_predicates",
     "goal_warnings",

@@ -22,6 +22,7 @@ from pix2pred.domains.coffee.render import render
 from pix2pred.domains.coffee.vocabulary import SKILLS
 from pix2pred.domains.coffee.world import World
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
+from pix2pred.predicates.label import Step
 from pix2pred.structs import Action, Atom, FromVLM, Image, Object, Picture, Predicate, State
 from pix2pred.vlm.reader import OfflineReader
 from pix2pred.vlm.reader_model import WEIGHTS, ReaderModel
@@ -131,7 +132,8 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
         args = tuple(next(o for o in objects if o.type == t) for t in skill.types)
         for previous in (first, flipped):
             action = Action(skill, args)
-            seen.append(labeller.next(before, after, 1, action, objects, previous, atoms, double_check=True).values)
+            step = Step(before, after, 1, action, previous)
+            seen.append(labeller.next(step, objects, atoms, double_check=True).values)
     assert all(values == seen[0] for values in seen)
 
 
@@ -155,7 +157,7 @@ def test_what_is_hidden_keeps_its_previous_value(pair: tuple[Picture, Picture], 
     labeller = Labeller(OfflineReader("coffee", model()), LabelSettings())
     first = labeller.first(State((before,)), objects, atoms)
     action = Action(SKILLS[0], tuple(next(o for o in objects if o.type == t) for t in SKILLS[0].types))
-    now = labeller.next(State((before,)), State((hidden,)), 1, action, objects, first, atoms, double_check=False)
+    now = labeller.next(Step(State((before,)), State((hidden,)), 1, action, first), objects, atoms, double_check=False)
     for atom in atoms:
         if "jug" in [o.name for o in atom.objects]:
             assert now.values[atom] == first.values[atom]
