@@ -108,6 +108,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/noise"))
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
+    from noise import run as once  # by name of the module, so that workers import it
+
     jobs = [
         (f, e, r, d, learner, arguments.candidates, arguments.tasks)
         for f in arguments.families for e in arguments.errors for r in arguments.rates
@@ -115,7 +117,7 @@ def main() -> None:
     ]  # fmt: skip
     rows = []
     with (arguments.out / "rows.jsonl").open("w") as stream:
-        for row in Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(run)(*job) for job in jobs):
+        for row in Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(once)(*job) for job in jobs):
             stream.write(json.dumps(row) + "\n")
             stream.flush()
             rows.append(row)
