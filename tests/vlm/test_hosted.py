@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from extras import need
 from pix2pred.images import ShownPictures, draw_view
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
@@ -141,11 +142,15 @@ def test_tokens_that_do_not_make_up_the_text_are_not_believed() -> None:
     assert _tokens(said, "Truer") == () and _tokens(None, "True") == ()
 
 
-@pytest.mark.parametrize("provider", ["openai", "anthropic", "google"])
+@pytest.mark.parametrize(
+    "provider",
+    [
+        "openai",
+        pytest.param("anthropic", marks=need("anthropic", extra="anthropic")),
+        pytest.param("google", marks=need("google.genai", extra="google")),
+    ],
+)
 def test_clients_of_all_providers_can_be_made(provider: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    package = {"anthropic": "anthropic", "google": "google.genai"}.get(provider)
-    if package:
-        pytest.importorskip(package)
     for name in ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY"):
         monkeypatch.setenv(name, "sk-not-a-key-000000")
     vlm = HostedVLM(hosted_model(f"{provider}:some-model"), ShownPictures(), 5.0)

@@ -1,11 +1,10 @@
 """A real third-party server, ``transformers serve``, with a tiny model of random weights: its protocol is real.
 
-Needs ``pip install torch 'transformers[serving]'``; skipped without, which PIX2PRED_NO_SKIPS=1 makes a failure.
+Needs the extra ``servers``.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import socket
 import subprocess
@@ -20,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from extras import need
 from pix2pred.images import ShownPictures
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
@@ -27,6 +27,7 @@ from pix2pred.vlm import NoAnswerError, Request, VLMError
 from pix2pred.vlm.hosted import HostedVLM
 from pix2pred.vlm.model_names import hosted_model
 
+pytestmark = need("torch", "transformers", "fastapi", "uvicorn", extra="servers")
 BUILD = Path(__file__).with_name("tiny_model.py")
 SERVE = "import sys; from transformers.cli.transformers import main; sys.argv[0] = 'transformers'; main()"
 QUIET = os.environ | {"OMP_NUM_THREADS": "1", "HF_HUB_OFFLINE": "1"}
@@ -34,11 +35,6 @@ QUIET = os.environ | {"OMP_NUM_THREADS": "1", "HF_HUB_OFFLINE": "1"}
 
 @pytest.fixture(scope="module")
 def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    for module in ("torch", "transformers", "fastapi", "uvicorn"):
-        if importlib.util.find_spec(module) is None:
-            if os.environ.get("PIX2PRED_NO_SKIPS") == "1":
-                pytest.fail(f"{module} is not installed")
-            pytest.skip(f"{module} is not installed")
     folder = tmp_path_factory.mktemp("server")
     subprocess.run([sys.executable, BUILD, folder / "tiny"], check=True, env=QUIET, timeout=300)
     with socket.socket() as free:

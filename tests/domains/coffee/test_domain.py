@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from extras import need
 from pix2pred.domains.coffee import CoffeeDomain
 from pix2pred.domains.coffee.geometry import CUP_RADIUS
 from pix2pred.domains.coffee.scenes import CUP_GAP, MOST_CUPS, Split, initial_world, scene_generator
@@ -36,6 +37,7 @@ def test_it_is_a_domain() -> None:
         domain.vocabulary("tea")
 
 
+@need("mujoco", extra="sim")
 def test_demonstrations(demos: Sequence[Demo]) -> None:
     assert [len(d.actions) for d in demos] == [6, 6, 5, 6, 5]
     assert len({d.name for d in demos}) == 5
@@ -49,6 +51,7 @@ def test_demonstrations(demos: Sequence[Demo]) -> None:
             assert all(len(values) == len(o.type.features) for o, values in state.features.items())
 
 
+@need("mujoco", extra="sim")
 def test_hidden_state_is_in_the_pictures_alone(demos: Sequence[Demo]) -> None:
     before, after = demos[2].states[2:4]
     assert demos[2].actions[2].skill.name == "TurnMachineOnAndFill"
@@ -57,6 +60,7 @@ def test_hidden_state_is_in_the_pictures_alone(demos: Sequence[Demo]) -> None:
     assert before.pictures[0].image != after.pictures[0].image
 
 
+@need("mujoco", extra="sim")
 def test_tasks_do_not_depend_on_each_other_and_survive_json(task: SimulatedTask) -> None:
     domain = CoffeeDomain()
     assert [o.name for o in task.task.objects] == ["coffee_machine", "cup0", "cup1", "cup2", "jug", "robot"]
@@ -68,6 +72,7 @@ def test_tasks_do_not_depend_on_each_other_and_survive_json(task: SimulatedTask)
     assert domain.tasks("three-cups", 3, 2)[0] == task
 
 
+@need("mujoco", extra="sim")
 def test_film_shows_a_skill_while_it_runs(task: SimulatedTask) -> None:
     domain = CoffeeDomain()
     environment = domain.environment(task.task, task.simulator)
@@ -87,6 +92,7 @@ def test_film_shows_a_skill_while_it_runs(task: SimulatedTask) -> None:
     [{}, {"family": "three-cups", "world": {}}, {"family": "three-cups", "world": {"cups": 1}}, {"family": 3},
      {"family": "tea", "world": None}],
 )  # fmt: skip
+@need("mujoco", extra="sim")
 def test_damaged_simulator_states_are_refused(task: SimulatedTask, damage: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=r"coffee|family"):
         CoffeeDomain().environment(task.task, damage)

@@ -15,6 +15,7 @@ import PIL.PngImagePlugin
 import pytest
 
 import train_reader
+from extras import need
 from pix2pred.domains.coffee import CoffeeDomain
 from pix2pred.domains.coffee.classifiers import objects_of
 from pix2pred.domains.coffee.geometry import FULL_JUG
@@ -47,7 +48,7 @@ HARDER = {"larger_than": 0.9} | dict.fromkeys(
 )
 """A gripper beside the handle, and what happens under a leaning jug, are harder to see."""
 
-pytestmark = pytest.mark.usefixtures("drawing")
+pytestmark = [need("mujoco", extra="sim"), pytest.mark.usefixtures("drawing")]
 
 
 @cache

@@ -10,12 +10,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from extras import need
 from pix2pred.domains.coffee.geometry import CLOSED, FULL_JUG, GRIP, POUR_TILT, Point
 from pix2pred.domains.coffee.render import render, render_pixels
 from pix2pred.domains.coffee.world import Robot, World
 from pix2pred.structs import Box, Picture
 
-pytestmark = pytest.mark.usefixtures("drawing")
+pytestmark = [need("mujoco", extra="sim"), pytest.mark.usefixtures("drawing")]
 
 DIGEST = """
 import hashlib
