@@ -15,6 +15,7 @@ import pix2pred
 ROOT = Path(pix2pred.__file__).parent
 MAY_IMPORT: dict[str, set[str]] = {
     "structs": set(),
+    "parallel": set(),
     "images": {"structs"},
     "planning": {"structs"},
     "vlm": {"structs"},
