@@ -53,7 +53,8 @@ class Workers:
         with ExitStack() as stack:
             engine = {Backend.LOKY: _loky, Backend.DASK: _dask, Backend.RAY: _ray}[self.backend]
             stack.enter_context(parallel_config(**engine(self.jobs, stack)))
-            work = Parallel(n_jobs=self.jobs, batch_size=1, return_as="generator")
+            as_they_come = self.backend != Backend.RAY  # which gives results only when all are there
+            work = Parallel(n_jobs=self.jobs, batch_size=1, return_as="generator" if as_they_come else "list")
             yield from work(delayed(function)(item) for item in items)
 
 
@@ -82,7 +83,7 @@ def _ray(jobs: int, stack: ExitStack) -> dict[str, Any]:
     import os
 
     if not ray.is_initialized():
-        local = {} if os.environ.get("RAY_ADDRESS") else {"num_cpus": jobs, "include_dashboard": False}
+        local: dict[str, Any] = {} if os.environ.get("RAY_ADDRESS") else {"num_cpus": jobs, "include_dashboard": False}
         ray.init(log_to_driver=False, **local)
         stack.callback(ray.shutdown)
     register_ray()

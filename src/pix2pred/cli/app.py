@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from cyclopts import App, CycloptsError
 
 from pix2pred import __version__
+from pix2pred.benchmark import SuiteError
+from pix2pred.cli.bench import bench
 from pix2pred.cli.data import check, generate
 from pix2pred.cli.demo import demo
 from pix2pred.cli.learn import learn
@@ -19,6 +21,7 @@ from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
 from pix2pred.learning import TracesError
+from pix2pred.parallel import BackendError
 from pix2pred.planning import ExternalPlannerError
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.registry import RegistryError
@@ -30,6 +33,7 @@ from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
 
 BAD_INPUT = (
+    BackendError,
     EmptyProposalError,
     ExpressionError,
     ExternalPlannerError,
@@ -38,6 +42,7 @@ BAD_INPUT = (
     PictureError,
     RegistryError,
     RunFolderError,
+    SuiteError,
     TracesError,
     UnknownNameError,
     UnusableAnswersError,
@@ -53,6 +58,7 @@ app = App(
 )
 for _verb in (demo, generate, check, learn, solve, select, plan_pddl):
     app.command(_verb)
+app.command(bench)
 
 
 def main(argv: Sequence[str] | None = None) -> None:
