@@ -48,6 +48,11 @@ class Agent(Protocol):
     """Solves tasks after training."""
 
     @property
+    def plans_with(self) -> ModelAgent | None:
+        """The agent whose world model makes the plans, if there is one: failures are looked into with it."""
+        ...
+
+    @property
     def summary(self) -> Mapping[str, Any]:
         """What was learned, in numbers and names, JSON-compatible."""
         ...
@@ -86,6 +91,11 @@ class ModelAgent:
     training: Training
     learned: Learned
     choose: Chooser
+
+    @property
+    def plans_with(self) -> ModelAgent:
+        """See ``Agent``."""
+        return self
 
     @property
     def model(self) -> WorldModel:

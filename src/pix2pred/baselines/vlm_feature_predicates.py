@@ -35,6 +35,7 @@ from pix2pred.structs.environment import Environment
 from pix2pred.vlm import VLM, Request
 
 ANSWER_TOKENS = 8192
+LIMITS = Limits()
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,7 @@ class CodePool:
     code: Mapping[Predicate, CodePredicate]
     rejected: tuple[RejectedBlock, ...]
 
-    def values(self, states: Sequence[State], objects: Sequence[Object], limits: Limits = Limits()) -> list[State]:
+    def values(self, states: Sequence[State], objects: Sequence[Object], limits: Limits) -> list[State]:
         """``states`` with the atoms that the classifiers find true among the given ones; failing code finds none."""
         found = list(states)
         for predicate, code in self.code.items():
@@ -61,7 +62,7 @@ class VLMFeaturePredicates:
 
     name: str = "vlm-feature-predicates"
     needs_model: bool = True
-    limits: Limits = Limits()
+    limits: Limits = LIMITS
 
     def train(self, training: Training, progress: Progress = silent) -> CodeAgent:
         """See ``Approach``. Raises ``SandboxError`` where code cannot be confined."""
@@ -112,6 +113,11 @@ class CodeAgent:
     agent: ModelAgent
     pool: CodePool
     limits: Limits
+
+    @property
+    def plans_with(self) -> ModelAgent:
+        """See ``Agent``."""
+        return self.agent
 
     @property
     def summary(self) -> Mapping[str, Any]:

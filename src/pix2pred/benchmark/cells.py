@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 from pix2pred.approach import Agent, Approach, ModelAgent, Training, TruthInDemo
 from pix2pred.benchmark.causes import Replayable, cause_of, check_labels, training_errors, truths_of_demos
-from pix2pred.benchmark.rows import Outcome, Row
+from pix2pred.benchmark.rows import Cause, Outcome, Row
 from pix2pred.benchmark.suite import FamilyEntry, Suite
 from pix2pred.benchmark.sweeps import NotAvailableError, Setting, tasks_for, vary
 from pix2pred.execution import TruthOf
@@ -229,13 +229,18 @@ class _Cell:
     ) -> Row:
         outcome = Outcome.SOLVED if episode.solved else Outcome.FAILED
         known = wrong = 0
-        cause = ""
-        if isinstance(agent, ModelAgent):
+        cause: Cause | str = ""
+        modelled = agent.plans_with
+        if modelled is not None:
             environment.reset()
-            check = check_labels(episode, agent, stored.task, truth)
+            check = check_labels(episode, modelled, stored.task, truth)
             known, wrong = check.known, len(check.wrong)
             if not episode.solved:
-                cause = cause_of(episode, check, agent, stored.task, environment, truth, lambda: self._relearned(agent))
+                cause = cause_of(
+                    episode, check, modelled, stored.task, environment, truth, lambda: self._relearned(modelled)
+                )
+        elif not episode.solved:
+            cause = Cause.UNDETERMINED
         if episode.failure == Failure.BUDGET:
             outcome = Outcome.BUDGET
         return Row(
@@ -263,10 +268,11 @@ class _Cell:
         )
 
     def _training_errors(self, agent: Agent) -> dict[str, int]:
-        if not isinstance(agent, ModelAgent):
+        modelled = agent.plans_with
+        if modelled is None:
             return {}
-        truth = self._truth_in_demos([c.predicate for c in agent.learned.labelling.table.pool])
-        return dict(training_errors(agent, truth)) if truth else {}
+        truth = self._truth_in_demos([c.predicate for c in modelled.learned.labelling.table.pool])
+        return dict(training_errors(modelled, truth)) if truth else {}
 
     def _relearned(self, agent: ModelAgent) -> ModelAgent | None:
         if not hasattr(self, "_better"):

@@ -59,7 +59,7 @@ def run_classifier(
         "function": function,
         "types": list(types),
         "states": [_plain(scene) for scene in scenes],
-        "queries": [(number, [o.name for o in objects]) for number, objects in queries],
+        "queries": [(number, [o.prompt_name for o in objects]) for number, objects in queries],
         "steps": limits.steps,
         "megabytes": limits.megabytes,
         "cpu_seconds": limits.cpu_seconds,
@@ -76,7 +76,7 @@ def run_classifier(
 
 
 def _plain(scene: Scene) -> dict[str, tuple[list[str], dict[str, float]]]:
-    """Objects by name: their types from the most specific up, and their features by name."""
+    """Objects by what prompts call them: their types from the most specific up, and their features by name."""
     plain = {}
     for thing, features in sorted(scene.items()):
         kinds: list[str] = []
@@ -84,7 +84,7 @@ def _plain(scene: Scene) -> dict[str, tuple[list[str], dict[str, float]]]:
         while node is not None:
             kinds.append(node.name)
             node = node.parent
-        plain[thing.name] = (kinds, dict(zip(thing.type.features, features, strict=True)))
+        plain[thing.prompt_name] = (kinds, dict(zip(thing.type.features, features, strict=True)))
     return plain
 
 
