@@ -26,12 +26,16 @@ MAY_IMPORT: dict[str, set[str]] = {
     "execution": {"structs", "images", "planning", "vlm", "demos", "predicates"},
 }
 LOWER = set(MAY_IMPORT) - {"domains"}
+ABOVE_THE_PIPELINE = LOWER | {"pipeline", "run_folder", "approach"}
 MAY_IMPORT |= {
     "pipeline": LOWER,
     "run_folder": {"structs"},
     "runs": LOWER | {"pipeline", "run_folder"},
-    "registry": LOWER | {"pipeline", "domains"},
-    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "cli"},
+    "approach": LOWER | {"pipeline"},
+    "baselines": ABOVE_THE_PIPELINE,
+    "benchmark": ABOVE_THE_PIPELINE,
+    "registry": LOWER | {"pipeline", "approach", "domains"},
+    "cli": ABOVE_THE_PIPELINE | {"runs", "registry", "benchmark", "baselines", "cli"},
 }
 
 

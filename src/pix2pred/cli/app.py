@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from cyclopts import App, CycloptsError
 
 from pix2pred import __version__
+from pix2pred.baselines.sandbox import SandboxError
 from pix2pred.benchmark import SuiteError
 from pix2pred.cli.bench import bench
 from pix2pred.cli.data import check, generate
@@ -33,6 +34,7 @@ from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
 
 BAD_INPUT = (
+    SandboxError,
     BackendError,
     EmptyProposalError,
     ExpressionError,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -10,8 +11,11 @@ from cyclopts import App, Parameter
 from rich.markup import escape
 from rich.table import Table
 
-from pix2pred.benchmark import Outcome, Run, load_suite, run_suite, status_of
+from pix2pred.benchmark import Outcome, Run, SuiteError, load_suite, run_suite, status_of
+from pix2pred.benchmark.claims import judge, load_claims
+from pix2pred.benchmark.report import write_into, write_report
 from pix2pred.benchmark.runner import expected
+from pix2pred.benchmark.tables import comparison, models_of
 from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
 from pix2pred.parallel import Backend, Workers
 from pix2pred.registry import Names
@@ -79,6 +83,48 @@ def status(
         _print(run)
         out.print(f"{tried} of {total} tries")
     return 0 if tried >= total else 1
+
+
+@bench.command
+def report(
+    *folders: Path,
+    write: Annotated[Path | None, Parameter(help="Document whose marked part to write, e.g. docs/results.md.")] = None,
+    json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+) -> int:
+    """Tables, chart and published claims of one or more runs, in RUN/report and on the screen.
+
+    Example: pix2pred bench report runs/bench-paper --write docs/results.md
+    """
+    if not folders:
+        raise SuiteError("name at least one run folder: pix2pred bench report runs/bench-paper")
+    today = datetime.now(tz=UTC).date().isoformat()
+    verdicts: dict[str, dict[str, str]] = {}
+    for folder in folders:
+        run = status_of(folder, Names())
+        path, problem = write_report(run, today)
+        verdicts[str(folder)] = {c.id: judge(c, run).verdict.value for c in load_claims().claims}
+        if write:
+            write_into(write, run, today)
+        if not json:
+            out.print(path.read_text(encoding="utf-8"), markup=False, soft_wrap=True)
+        if problem:
+            err.print(problem, markup=False)
+    if json:
+        print_json({"claims": verdicts})
+    return 0
+
+
+@bench.command
+def compare(left: Path, right: Path, /) -> int:
+    """Two runs side by side, over the tasks that both tried.
+
+    Example: pix2pred bench compare runs/bench-paper runs/bench-paper-hosted
+    """
+    runs = [status_of(folder, Names()) for folder in (left, right)]
+    for name, folder, run in zip("AB", (left, right), runs, strict=True):
+        out.print(f"{name}: {folder}, {run.suite.name}, {', '.join(models_of(run))}", markup=False, soft_wrap=True)
+    out.print("\n" + comparison(*runs), markup=False, soft_wrap=True)
+    return 0
 
 
 def _outcomes(run: Run) -> dict[str, int]:
