@@ -63,9 +63,7 @@ LANGUAGE: dict[str, str] = {
     "endless loop": classifier("while True:\n    pass"),
     "endless loop on one line": "def f(state, objects):\n    while True: pass\n",
     "endless loop at import": "while True:\n    x = 1\n",
-    "nested loops": classifier(
-        "n = 0\nfor i in range(99999):\n    for j in range(99999):\n        n += 1\nreturn n > 0"
-    ),
+    "nested loops": classifier("n = 0\nfor i in range(99999):\n    for j in range(99999):\n        n += 1\nreturn n"),
     "endless comprehension": classifier("return len([0 for x in range(90000) for y in range(90000)]) > 0"),
     "endless recursion": classifier("return f(state, objects)"),
     "mutual recursion": "g = lambda s, o: f(s, o)\nf = lambda s, o: g(s, o)\n",

@@ -207,7 +207,7 @@ class _Cell:
             job.domain.vocabulary(job.family_name),
             self._setting.demos,
             self._setting.vlm,
-            job.suite.settings_of(job.family),
+            job.suite.settings_of(job.family, job.domain.settings(job.family_name)),
             job.suite.budgets.planner(),
             job.family.shown_demos,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
@@ -110,12 +111,13 @@ class Suite(BaseModel):
         """The values of the axis, or None once."""
         return self.axis.values if self.axis else (None,)
 
-    def settings_of(self, entry: FamilyEntry) -> Settings:
-        """The settings of a family: the suite's, overridden section by section by its own."""
-        merged = {**self.settings}
-        for section, given in entry.settings.items():
-            both = isinstance(given, dict) and isinstance(merged.get(section), dict)
-            merged[section] = {**merged[section], **given} if both else given
+    def settings_of(self, entry: FamilyEntry, learning: Mapping[str, Any]) -> Settings:
+        """The settings of a family: its domain's for ``learning``, then the suite's, then its own in this suite."""
+        merged: dict[str, Any] = {"learning": dict(learning)}
+        for source in (self.settings, entry.settings):
+            for section, given in source.items():
+                both = isinstance(given, dict) and isinstance(merged.get(section), dict)
+                merged[section] = {**merged[section], **given} if both else given
         return Settings.model_validate(merged)
 
 
