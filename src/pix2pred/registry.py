@@ -8,9 +8,11 @@ implement ``approach.Approach``.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from pix2pred.approach import Approach
 from pix2pred.execution import TruthOf
@@ -20,6 +22,9 @@ from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
 from pix2pred.vlm import VLM
+
+if TYPE_CHECKING:
+    from pix2pred.vlm.reader_model import WordDoc
 
 _DOMAINS = {"burger": "pix2pred.domains.burger:BurgerDomain"}
 _TRUTHS = {"burger": "pix2pred.domains.burger.truth:value_now"}
@@ -94,9 +99,7 @@ def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
     """What the simulator knows about the reader's words in the environment's present state, to name failures with."""
     if domain.name not in _TRUTHS or domain.reader is None:
         return None
-    from pix2pred.vlm.reader_model import load_words
-
-    uses = {(word.word, types): word for word, types in load_words(domain.reader).uses()}
+    uses = _word_uses(domain.reader)
     value: Callable[[Environment, str, Sequence[str]], bool] = _load(_TRUTHS[domain.name])
 
     def truth(atom: Atom) -> bool | None:
@@ -108,6 +111,13 @@ def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
         return value(environment, word.concept, [o.name for o in atom.objects]) != word.negated
 
     return truth
+
+
+@cache
+def _word_uses(reader: Path) -> dict[tuple[str, tuple[str, ...]], WordDoc]:
+    from pix2pred.vlm.reader_model import load_words
+
+    return {(word.word, types): word for word, types in load_words(reader).uses()}
 
 
 def load_approach(name: str) -> Approach:

@@ -14,18 +14,37 @@ from typing import Any
 
 from pix2pred.benchmark import Run, Suite, run_suite
 from pix2pred.domains.burger import BurgerDomain
+from pix2pred.domains.burger.demonstrator import demonstrate
+from pix2pred.domains.burger.families import load_families
+from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
 from pix2pred.parallel import Workers
 from pix2pred.registry import Names
 from pix2pred.structs import Demo
 from pix2pred.structs.documents import UnknownNameError
-from pix2pred.structs.environment import Domain
+from pix2pred.structs.environment import Domain, SimulatedTask
 from pix2pred.vlm import VLM, Answer, Request, StoreMode
 from pix2pred.vlm.answering import asked_atoms, current_views, label_answer, value_line
 
+ONE = Workers(1)
+
 
 class SmallBurger(BurgerDomain):
+    """Two demonstrations instead of twelve."""
+
     def demonstrations(self, family: str, seed: int) -> Sequence[Demo]:
-        return tuple(super().demonstrations(family, seed)[1:4])
+        chosen = load_families()[family]
+        demos = []
+        for i, recipe in enumerate(chosen.demonstrations[1:3]):
+            world = initial_world(recipe.scene, scene_generator(seed, Split.DEMONSTRATIONS, chosen.index, i))
+            demos.append(demonstrate(f"{family}-{i}", chosen, recipe, world))
+        return tuple(demos)
+
+    def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
+        chosen = load_families()[family]
+        return tuple(
+            self._task(f"{family}-{i}", chosen, recipe, Split.DEMONSTRATIONS, seed, i)
+            for i, recipe in enumerate(chosen.demonstrations[1:3])
+        )
 
 
 @dataclass(frozen=True)
@@ -75,7 +94,7 @@ def small_suite(**changes: Any) -> Suite:
     )
 
 
-def run_small(folder: Path, *, workers: Workers = Workers(), **changes: Any) -> Run:
+def run_small(folder: Path, *, workers: Workers = ONE, **changes: Any) -> Run:
     answers, mode = changes.pop("answers", None), changes.pop("mode", StoreMode.RESUME)
     vlm = changes.pop("vlm", "offline")
     suite = small_suite(**changes)

@@ -92,6 +92,13 @@ class Job:
         return self.domain.demonstrations(self.family_name, self.seed)
 
     @cached_property
+    def starts(self) -> Sequence[SimulatedTask] | None:
+        """The starts of the demonstrations, for a domain whose demonstrations can be visited again."""
+        if not isinstance(self.domain, Replayable):
+            return None
+        return self.domain.demonstration_starts(self.family_name, self.seed)
+
+    @cached_property
     def tasks(self) -> Sequence[SimulatedTask]:
         """The test tasks. Raises ``NotAvailableError``."""
         return tasks_for(self.domain, self.family_name, self.seed, self.suite.tasks, self.suite.axis, self.value)
@@ -257,11 +264,11 @@ class _Cell:
 
     def _truth_in_demos(self, predicates: Sequence[Predicate]) -> TruthInDemo | None:
         domain = self._job.domain
-        if not isinstance(domain, Replayable):
+        if self._job.starts is None:
             return None
         return truths_of_demos(
             self._setting.demos,
-            domain.demonstration_starts(self._job.family_name, self._job.seed),
+            self._job.starts,
             lambda start: domain.environment(start.task, start.simulator),
             lambda environment: self._job.catalogue.truth(domain, environment),
             predicates,
