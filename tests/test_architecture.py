@@ -26,14 +26,18 @@ MAY_IMPORT: dict[str, set[str]] = {
     "execution": {"structs", "images", "planning", "vlm", "demos", "predicates"},
 }
 LOWER = set(MAY_IMPORT) - {"domains"}
+ABOVE_THE_PIPELINE = LOWER | {"pipeline", "run_folder", "approach"}
 MAY_IMPORT |= {
     "pipeline": LOWER,
     "run_folder": {"structs"},
     "film": {"structs"},
     "runs": LOWER | {"pipeline", "run_folder", "film"},
-    "registry": LOWER | {"pipeline", "domains"},
     "gym_envs": {"structs", "registry"},
-    "cli": LOWER | {"pipeline", "run_folder", "runs", "film", "registry", "parallel", "cli"},
+    "approach": LOWER | {"pipeline"},
+    "baselines": ABOVE_THE_PIPELINE,
+    "benchmark": ABOVE_THE_PIPELINE,
+    "registry": LOWER | {"pipeline", "approach", "domains"},
+    "cli": ABOVE_THE_PIPELINE | {"runs", "film", "registry", "benchmark", "baselines", "parallel", "cli"},
 }
 
 

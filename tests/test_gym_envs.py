@@ -42,7 +42,7 @@ def test_the_demonstrators_skills_reach_the_goal() -> None:
     assert first[1:4] == (0.0, False, False) and first[4]["status"] == "done"
     last = made.step(env.action("PushKettleOntoBurner", ("gripper", "kettle", "burner3"), KETTLE_PUSH))
     assert last[1:4] == (1.0, True, False), last[4]
-    assert np.array_equal(made.render(), last[0]["image"])  # type: ignore[arg-type]
+    assert np.array_equal(made.render(), last[0]["image"])
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:

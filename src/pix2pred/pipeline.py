@@ -26,7 +26,7 @@ from pix2pred.predicates import (
     lift,
     propose,
 )
-from pix2pred.structs import Demo, PictureError, Vocabulary, WorldModel
+from pix2pred.structs import Candidate, Demo, PictureError, TruthTable, Vocabulary, WorldModel
 from pix2pred.structs.samplers import Sampler
 from pix2pred.vlm import VLM, FlowSettings
 
@@ -48,6 +48,10 @@ Progress = Callable[[str, int, int, str], None]
 """Called with (stage, done, total, what is going on)."""
 
 
+def silent(stage: str, done: int, total: int, text: str) -> None:
+    """Shows nothing."""
+
+
 @dataclass(frozen=True, slots=True)
 class Learned:
     """A world model and everything it came from."""
@@ -59,22 +63,77 @@ class Learned:
     samplers: Mapping[str, Sampler]
 
 
+@dataclass(frozen=True, slots=True)
+class Pool:
+    """Candidate predicates and, when a model was asked, what it proposed and what was rejected."""
+
+    candidates: tuple[Candidate, ...]
+    proposals: tuple[Proposal, ...] = ()
+
+
+PoolMaker = Callable[[Vocabulary, Sequence[Demo], VLM, Settings, Progress], Pool]
+"""Where the candidates come from."""
+
+Chooser = Callable[[TruthTable, LearningSettings, Progress], Selection]
+"""How predicates are chosen and operators learned from labels."""
+
+
+def visual_pool(
+    vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
+) -> Pool:
+    """What the model proposes (method 2). Raises ``EmptyProposalError`` when none of it is usable."""
+    progress("propose", 0, len(demos), "")
+    proposals = propose(
+        demos,
+        vlm,
+        settings.proposal,
+        jobs=settings.flow.concurrent,
+        progress=lambda done, total, name: progress("propose", done, total, name),
+    )
+    return Pool(lift(proposals, taken=[p.name for p in vocabulary.initial]), proposals)
+
+
+def feature_pool(
+    vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
+) -> Pool:
+    """What the grammar makes of the objects' features (method 4); no model is asked."""
+    return Pool(feature_predicates(demos, vocabulary.types, settings.grammar))
+
+
+def whole_pool(
+    vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
+) -> Pool:
+    """Visual and feature predicates: the pool of the full method."""
+    visual = visual_pool(vocabulary, demos, vlm, settings, progress)
+    features = feature_pool(vocabulary, demos, vlm, settings, progress)
+    return Pool((*visual.candidates, *features.candidates), visual.proposals)
+
+
+def climb(table: TruthTable, settings: LearningSettings, progress: Progress = silent) -> Selection:
+    """Hill climbing on J (method 6.3)."""
+    progress("select", 0, len(table.candidates()), "")
+    return hill_climbing(table, settings).run(lambda done, total, name: progress("select", done, total, name))
+
+
 def learn(
     vocabulary: Vocabulary,
     demos: Sequence[Demo],
     vlm: VLM,
     settings: Settings,
-    progress: Progress = lambda stage, done, total, text: None,
+    progress: Progress = silent,
+    *,
+    pool: PoolMaker = whole_pool,
+    choose: Chooser = climb,
 ) -> Learned:
     """Learn a world model from demonstrations (method 2-7).
+
+    ``pool`` and ``choose`` are the two places where the ablations of method 9 differ from the full method.
 
     Raises ``EmptyProposalError`` when the model proposes nothing usable, ``UnusableAnswersError`` when it labels
     nothing, ``VLMError`` when it cannot be asked, and ``PictureError`` for a state without readable pictures.
     """
-    proposals, labelling = ask_everything(vocabulary, demos, vlm, settings, progress)
-    progress("select", 0, len(labelling.table.candidates()), "")
-    climb = hill_climbing(labelling.table, settings.learning)
-    selection = climb.run(lambda done, total, name: progress("select", done, total, name))
+    proposals, labelling = ask_everything(vocabulary, demos, vlm, settings, progress, pool)
+    selection = choose(labelling.table, settings.learning, progress)
     model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
     samplers = learn_samplers(selection.operators, demos, labelling.table.demos, settings.samplers.fitter())
     return Learned(model, proposals, labelling, selection, samplers)
@@ -85,31 +144,22 @@ def ask_everything(
     demos: Sequence[Demo],
     vlm: VLM,
     settings: Settings,
-    progress: Progress = lambda stage, done, total, text: None,
+    progress: Progress = silent,
+    pool: PoolMaker = whole_pool,
 ) -> tuple[tuple[Proposal, ...], Labelling]:
     """The part of the method that asks the model: proposals and the truth table (method 2-4). Raises as ``learn``."""
     for demo in demos:
         for t, state in enumerate(demo.states):
             if not state.pictures:
                 raise PictureError(f"demonstration {demo.name}: state {t} has no picture to ask about")
-    jobs = settings.flow.concurrent
-    progress("propose", 0, len(demos), "")
-    proposals = propose(
-        demos,
-        vlm,
-        settings.proposal,
-        jobs=jobs,
-        progress=lambda done, total, name: progress("propose", done, total, name),
-    )
-    visual = lift(proposals, taken=[p.name for p in vocabulary.initial])
-    features = feature_predicates(demos, vocabulary.types, settings.grammar)
+    made = pool(vocabulary, demos, vlm, settings, progress)
     progress("label", 0, len(demos), "")
     labelling = label_demos(
         demos,
         vocabulary.initial,
-        (*visual, *features),
+        made.candidates,
         Labeller(vlm, settings.labels),
-        jobs=jobs,
+        jobs=settings.flow.concurrent,
         progress=lambda done, total, name: progress("label", done, total, name),
     )
-    return proposals, labelling
+    return made.proposals, labelling

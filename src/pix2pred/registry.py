@@ -1,18 +1,21 @@
-"""The one place where a name becomes an object: domains, models behind ``--vlm``, planners.
+"""The one place where a name becomes an object: domains, models behind ``--vlm``, planners, approaches.
 
 Other packages add domains through the entry point group ``pix2pred.domains``; a value is a class without required
-arguments that implements ``structs.environment.Domain``.
+arguments that implements ``structs.environment.Domain``. ``pix2pred.approaches`` does the same for objects that
+implement ``approach.Approach``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from pix2pred.approach import Approach
 from pix2pred.execution import TruthOf
 from pix2pred.images import ShownPictures
 from pix2pred.planning import AStar, ExternalPlanner, GreedyBestFirst, Planner, Portfolio, Search, TaskPlanner
@@ -28,6 +31,9 @@ from pix2pred.vlm.flow import FlowVLM
 from pix2pred.vlm.model_names import HostedModel, ModelNameError, hosted_model
 from pix2pred.vlm.replay import AbsentVLM, replayed
 
+if TYPE_CHECKING:
+    from pix2pred.vlm.reader_model import WordDoc
+
 _DOMAINS = {
     "burger": "pix2pred.domains.burger:BurgerDomain",
     "kitchen": "pix2pred.domains.kitchen:KitchenDomain",
@@ -38,6 +44,19 @@ _TRUTHS = {
     "kitchen": "pix2pred.domains.kitchen.truth:value_now",
     "coffee": "pix2pred.domains.coffee.truth:value_now",
 }
+
+_APPROACHES = {
+    "ours": "pix2pred.baselines.ours:OURS",
+    "vlm-subselect": "pix2pred.baselines.vlm_subselect:VLM_SUBSELECT",
+    "no-subselect": "pix2pred.baselines.no_subselect:NO_SUBSELECT",
+    "no-invent": "pix2pred.baselines.no_invent:NO_INVENT",
+    "no-visual": "pix2pred.baselines.no_visual:NO_VISUAL",
+    "no-feature": "pix2pred.baselines.no_feature:NO_FEATURE",
+    "vlm-feature-predicates": "pix2pred.baselines.vlm_feature_predicates:VLM_FEATURE_PREDICATES",
+    "vila-pure": "pix2pred.baselines.vila_pure:VILA_PURE",
+    "vila-fewshot": "pix2pred.baselines.vila_fewshot:VILA_FEWSHOT",
+}
+"""The approaches of method 9."""
 
 SEARCHES: dict[str, Callable[[], Search]] = {
     "astar-lmcut": AStar,
@@ -164,9 +183,7 @@ def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
     """What the simulator knows about the reader's words in the environment's present state, to name failures with."""
     if domain.name not in _TRUTHS or domain.reader is None:
         return None
-    from pix2pred.vlm.reader_model import load_words
-
-    uses = {(word.word, types): word for word, types in load_words(domain.reader).uses()}
+    uses = _word_uses(domain.reader)
     value: Callable[[Environment, str, Sequence[str]], bool] = _load(_TRUTHS[domain.name])
 
     def truth(atom: Atom) -> bool | None:
@@ -178,6 +195,42 @@ def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
         return value(environment, word.concept, [o.name for o in atom.objects]) != word.negated
 
     return truth
+
+
+@cache
+def _word_uses(reader: Path) -> dict[tuple[str, tuple[str, ...]], WordDoc]:
+    from pix2pred.vlm.reader_model import load_words
+
+    return {(word.word, types): word for word, types in load_words(reader).uses()}
+
+
+def load_approach(name: str) -> Approach:
+    """The approach called ``name``. Raises ``UnknownNameError``."""
+    found = {e.name: e.value for e in entry_points(group="pix2pred.approaches")} | _APPROACHES
+    if name not in found:
+        raise UnknownNameError("approach", name, found)
+    made: Approach = _load(found[name])
+    return made
+
+
+class Names:
+    """Names to objects, for workers that look them up themselves; see ``benchmark.cells.Catalogue``."""
+
+    def domain(self, name: str) -> Domain:
+        """See ``load_domain``."""
+        return load_domain(name)
+
+    def vlm(self, spec: str, domain: str | None) -> VLM:
+        """See ``load_vlm``."""
+        return load_vlm(spec, domain)
+
+    def approach(self, name: str) -> Approach:
+        """See ``load_approach``."""
+        return load_approach(name)
+
+    def truth(self, domain: Domain, environment: Environment) -> TruthOf | None:
+        """See ``word_truth``."""
+        return word_truth(domain, environment)
 
 
 def _load(target: str) -> Any:

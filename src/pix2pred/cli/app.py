@@ -11,7 +11,10 @@ from collections.abc import Sequence
 from cyclopts import App, CycloptsError
 
 from pix2pred import __version__
+from pix2pred.baselines.sandbox import SandboxError
+from pix2pred.benchmark import SuiteError
 from pix2pred.cli.answers import answers
+from pix2pred.cli.bench import bench
 from pix2pred.cli.data import check, generate
 from pix2pred.cli.demo import demo
 from pix2pred.cli.doctor import doctor
@@ -38,6 +41,7 @@ from pix2pred.vlm.breaker import UselessModelError
 from pix2pred.vlm.budget import BudgetError
 
 BAD_INPUT = (
+    SandboxError,
     BackendError,
     EmptyProposalError,
     ExpressionError,
@@ -50,6 +54,7 @@ BAD_INPUT = (
     RegistryError,
     RunFolderError,
     SamplerFileError,
+    SuiteError,
     TracesError,
     UnknownNameError,
     UnusableAnswersError,
@@ -69,6 +74,7 @@ app = App(
 for _verb in (demo, generate, check, learn, solve, select, plan_pddl, doctor):
     app.command(_verb)
 app.command(answers)
+app.command(bench)
 
 
 def main(argv: Sequence[str] | None = None) -> None:

@@ -27,6 +27,7 @@ _STAGES = {
     "label": "Labelling states",
     "select": "Selecting predicates",
     "solve": "Solving tasks",
+    "bench": "Running the suite",
     "score": "Scoring a set",
 }
 

@@ -136,7 +136,10 @@ class NoAnswerError(VLMError):
 class VLM(Protocol):
     """Anything that answers requests. ``name`` identifies model and version and enters the store's keys."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """Model and version."""
+        ...
 
     def answer(self, request: Request) -> Answer:
         """Answer ``request``. Raises ``VLMError``. May be called from several threads."""
