@@ -35,7 +35,9 @@ def mujoco_library() -> Any:
     if find_spec("mujoco") is None:
         return optional("mujoco", "sim")
     _missing()
-    return importlib.import_module("mujoco")
+    mujoco = importlib.import_module("mujoco")
+    mujoco.set_mju_user_warning(lambda message: None)  # else every divergence, which we report, writes a file here
+    return mujoco
 
 
 def backend() -> str:
