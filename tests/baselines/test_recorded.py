@@ -113,7 +113,7 @@ def test_feature_predicates_written_by_a_model_are_selected_and_planned_with(qua
 
 
 def test_one_bad_predicate_costs_nothing_but_itself(tmp_path: Path) -> None:
-    """Of seven blocks one is used; the others say why not (a bad indentation makes the parser look for a file: SIGSYS)."""
+    """One block of seven is used. At a bad indentation the parser looks for the file, which kills the process."""
     agent = code_agent("partly", tmp_path)
     reasons = list(agent.summary["rejected"])
     assert agent.summary["written"] == 1
