@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import builtins
 import os
+import threading
 import time
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
+from joblib import Parallel, delayed
 
 from extras import need
 from pix2pred.parallel import Backend, BackendError, Workers
@@ -37,6 +39,22 @@ def fail(number: int) -> int:
 @pytest.mark.parametrize("workers", ENGINES)
 def test_every_engine_gives_the_same_bytes_in_the_same_order(workers: Workers) -> None:
     assert list(workers.map(draw, range(7))) == [draw(seed) for seed in range(7)]
+
+
+def nested(item: int) -> list[int]:
+    """Work that is itself parallel, on something that cannot be sent anywhere."""
+    lock = threading.Lock()
+
+    def one(x: int) -> int:
+        with lock:
+            return x + item
+
+    return list(Parallel(n_jobs=2, prefer="threads")(delayed(one)(x) for x in range(3)))
+
+
+@pytest.mark.parametrize("workers", ENGINES)
+def test_parallel_work_inside_a_worker_stays_there(workers: Workers) -> None:
+    assert list(workers.map(nested, range(3))) == [[x + item for x in range(3)] for item in range(3)]
 
 
 @pytest.mark.parametrize("workers", ENGINES)

@@ -62,7 +62,18 @@ class Workers:
             as_they_come = self.backend != Backend.RAY  # which gives results only when all are there
             parallel = Parallel(n_jobs=self.jobs, batch_size=1, return_as="generator" if as_they_come else "list")
             work = stack.enter_context(parallel)
-            yield lambda function, items: work(delayed(function)(item) for item in items)
+            yield lambda function, items: work(delayed(_InThreads(function))(item) for item in items)
+
+
+@dataclass(frozen=True, slots=True)
+class _InThreads:
+    """A function whose own parallel work stays in its worker, instead of being sent through the engine again."""
+
+    function: Callable[[Any], Any]
+
+    def __call__(self, item: Any) -> Any:
+        with parallel_config(backend="threading"):
+            return self.function(item)
 
 
 def _loky(jobs: int, stack: ExitStack) -> dict[str, Any]:

@@ -16,7 +16,7 @@ def text(name: str) -> str:
     return (FOLDER / f"{name}.txt").read_text(encoding="utf-8")
 
 
-@dataclass(frozen=True)
+@dataclass
 class Author:
     """Writes the answers into a store."""
 
@@ -27,7 +27,7 @@ class Author:
         return Answer(self.answers(request))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Nobody:
     """A model that must not be asked."""
 

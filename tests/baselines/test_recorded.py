@@ -113,11 +113,11 @@ def test_feature_predicates_written_by_a_model_are_selected_and_planned_with(qua
 
 
 def test_one_bad_predicate_costs_nothing_but_itself(tmp_path: Path) -> None:
-    """Of the seven blocks of the partly right answer, one is used; each of the others says why not."""
+    """One block of seven is used. At a bad indentation the parser looks for the file, which kills the process."""
     agent = code_agent("partly", tmp_path)
     reasons = list(agent.summary["rejected"])
     assert agent.summary["written"] == 1
-    for expected in ("Import", "__subclasses__", "'temperature'", "steps", "IndentationError", "NameError"):
+    for expected in ("Import", "__subclasses__", "'temperature'", "steps", "SIGSYS", "NameError"):
         assert sum(expected in reason for reason in reasons) >= 1, (expected, reasons)
 
 

@@ -47,7 +47,7 @@ class SmallBurger(BurgerDomain):
         )
 
 
-@dataclass(frozen=True)
+@dataclass
 class HashVLM:
     """Proposes two words and labels by the hash of picture and atom: always the same nonsense."""
 

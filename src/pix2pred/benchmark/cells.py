@@ -131,6 +131,20 @@ class Job:
             return Outcome.NEEDS_MODEL, f"{self.model.name} neither plans nor writes code"
         return None
 
+    def finished(self, name: str) -> bool:
+        """Whether ``name`` has been tried on everything. Raises ``RunFolderError`` for what another model made."""
+        cell = self.folder / self.place / name
+        learned = cell / "learned.json"
+        if not learned.exists():
+            return (cell / "cell.json").exists()
+        made_with = str(json.loads(learned.read_text(encoding="utf-8"))["labels_from"])
+        if not made_with.startswith(self.model.name):  # the name of flipped labels begins with the model's
+            raise RunFolderError(
+                f"{self.folder}: {self.place}/{name} was made with {made_with}, not {self.model.name}; "
+                "choose another folder with --out"
+            )
+        return all((cell / f"task-{i:03d}.json").exists() for i in range(self.suite.tasks))
+
     def cell_row(self, name: str, outcome: Outcome, detail: str) -> Row:
         """The row of an approach that is not tried."""
         return Row(name, self.family.name, self.value, self.seed, None, outcome, detail=detail)
@@ -151,7 +165,7 @@ def run_job(job: Job) -> Done:
     start, tried = time.perf_counter(), 0
     run = RunFolder(job.folder)
     for name in job.suite.approaches:
-        if job.excluded(name) is None:
+        if job.excluded(name) is None and not job.finished(name):
             try:
                 tried += _Cell(job, name, run).finish()
             except NotAvailableError as error:
@@ -177,11 +191,6 @@ class _Cell:
     def finish(self) -> int:
         """Run the tasks that have no row yet; gives their number."""
         missing = [i for i in range(self._job.suite.tasks) if not self._path(i).exists()]
-        learned = self._run.path / self._place / "learned.json"
-        if learned.exists():
-            self._check_reader(json.loads(learned.read_text(encoding="utf-8")))
-        if not missing and learned.exists():
-            return 0
         try:
             agent: Agent | str = self._train()
         except (EmptyProposalError, UnusableAnswersError) as error:
@@ -197,13 +206,6 @@ class _Cell:
 
     def _path(self, i: int) -> Path:
         return self._run.path / self._place / f"task-{i:03d}.json"
-
-    def _check_reader(self, learned: dict[str, Any]) -> None:
-        if learned.get("labels_from") != self._setting.vlm.name:
-            raise RunFolderError(
-                f"{self._run.path}: {self._place} was made with {learned.get('labels_from')}, "
-                f"not {self._setting.vlm.name}; choose another folder with --out"
-            )
 
     def _write_learned(self, summary: dict[str, Any]) -> None:
         self._run.write_json(f"{self._place}/learned.json", {"labels_from": self._setting.vlm.name, **summary})

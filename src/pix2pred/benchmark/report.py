@@ -9,7 +9,7 @@ from pix2pred.benchmark.chart import PlotError, draw
 from pix2pred.benchmark.claims import load_claims
 from pix2pred.benchmark.runner import Run
 from pix2pred.benchmark.suite import SuiteError
-from pix2pred.benchmark.tables import section, summary_csv
+from pix2pred.benchmark.tables import only_finished, section, summary_csv
 from pix2pred.run_folder import RunFolder
 from pix2pred.structs.files import write_whole
 
@@ -61,6 +61,6 @@ def write_into(document: Path, run: Run, date: str) -> Path | None:
 
 def _chart(run: Run) -> tuple[bytes | None, str | None]:
     try:
-        return draw(run), None
+        return draw(only_finished(run)), None
     except PlotError as error:
         return None, str(error)

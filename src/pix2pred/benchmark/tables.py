@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pix2pred.benchmark.claims import Judged, Published, judge, judge_interim
 from pix2pred.benchmark.rows import Outcome
-from pix2pred.benchmark.runner import Run
+from pix2pred.benchmark.runner import Run, expected
 from pix2pred.benchmark.statistics import Cell, cell_of, sign_test
 
 
@@ -38,6 +40,14 @@ def _solved(found: Cell | Outcome | None) -> str:
     return f"{found.text} [{100 * found.interval.low:.0f}, {100 * found.interval.high:.0f}] %"
 
 
+def only_finished(run: Run) -> Run:
+    """The run without the rows of cells in which some seed lacks a try: a mean over fewer would mislead."""
+    counts = Counter((r.approach, r.family, r.value) for r in run.rows if r.task is not None)
+    full = len(run.suite.seeds) * run.suite.tasks
+    kept = tuple(r for r in run.rows if r.task is None or counts[r.approach, r.family, r.value] == full)
+    return replace(run, rows=kept)
+
+
 def sweep_tables(run: Run) -> str:
     """A table per family with the values of the axis below one another."""
     assert run.suite.axis is not None, "the suite sweeps an axis"
@@ -59,7 +69,7 @@ def failure_table(run: Run) -> str:
         cells = [cell_of(run.rows, approach, f.name, v) for f in run.suite.families for v in run.suite.values]
         tried = [c for c in cells if isinstance(c, Cell)]
         if tried:
-            causes = sum((c.failures for c in tried), tried[0].failures.__class__())
+            causes = sum((c.failures for c in tried), Counter[str]())
             labels, errors = sum(c.labels for c in tried), sum(c.label_errors for c in tried)
             failures = ", ".join(f"{cause or 'unknown'} {n}" for cause, n in sorted(causes.items())) or "none"
             rows.append([approach, str(sum(c.tries for c in tried)), failures, f"{errors} of {labels}"])
@@ -111,9 +121,12 @@ def interim_table(published: Published, run: Run) -> str:
 def section(run: Run, published: Published, *, date: str, command: str, chart: str | None) -> str:
     """All that is reported of a run, headed by where it comes from."""
     seeds = ", ".join(map(str, run.suite.seeds))
+    tried, wanted = sum(row.task is not None for row in run.rows), expected(run)
+    run = only_finished(run)
+    unfinished = f"**Unfinished: {tried} of {wanted} tries.** Figures are of finished cells alone. "
     parts = [
-        f"`{command}` ({date}): {run.suite.about}. Seeds {seeds}, {run.suite.tasks} tasks each, open loop, one plan "
-        f"per task. Labels: {', '.join(models_of(run)) or 'none'}.\n",
+        f"{unfinished if tried < wanted else ''}`{command}` ({date}): {run.suite.about}. Seeds {seeds}, "
+        f"{run.suite.tasks} tasks each, open loop, one plan per task. Labels: {', '.join(models_of(run)) or 'none'}.\n",
         f"Solved of {run.suite.tasks} per seed: mean ± standard deviation over seeds, and the 95 % interval (Wilson) "
         "of the share of all tries.\n",
         sweep_tables(run) if run.suite.axis else solved_table(run),
