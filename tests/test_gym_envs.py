@@ -22,7 +22,7 @@ def test_the_checker_finds_nothing(name: str) -> None:
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(gymnasium.make(f"pix2pred/{name}-v0", render_mode="rgb_array").unwrapped)
+        check_env(gymnasium.make(f"pix2pred.gym_envs:pix2pred/{name}-v0", render_mode="rgb_array").unwrapped)
 
 
 @need("mujoco", "gymnasium_robotics", extra="sim")

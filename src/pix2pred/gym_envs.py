@@ -1,8 +1,9 @@
 """Any domain as a ``gymnasium.Env`` at skill level: one step runs one skill.
 
+    import gymnasium, pix2pred.gym_envs
     env = gymnasium.make("pix2pred/Kitchen-v0")
 
-Importing nothing of ours is needed: gymnasium finds ``register_all`` through its entry point group.
+Importing this module registers the environments; ``make("pix2pred.gym_envs:pix2pred/Kitchen-v0")`` does it itself.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def register_all() -> None:
     """Tell gymnasium of every domain, under names such as ``pix2pred/Kitchen-v0``."""
     for name in domain_names():
         register(
-            id=f"{name.title().replace('_', '')}-v0",
+            id=f"pix2pred/{name.title().replace('_', '')}-v0",
             entry_point="pix2pred.gym_envs:DomainEnv",
             kwargs={"domain": name},
             max_episode_steps=MOST_SKILLS,
@@ -140,3 +141,6 @@ class DomainEnv(gymnasium.Env[dict[str, Any], dict[str, Any]]):
         return {
             "status": status, "detail": detail, "goal": goal, "objects": [o.name for o in self.objects]
         }  # fmt: skip
+
+
+register_all()

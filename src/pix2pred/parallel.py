@@ -6,6 +6,8 @@ the cluster named by ``DASK_SCHEDULER_ADDRESS`` or ``RAY_ADDRESS``, or else star
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -98,11 +100,10 @@ def _ray(jobs: int, stack: ExitStack) -> dict[str, Any]:
         from ray.util.joblib import register_ray
     except ImportError as error:
         raise BackendError("--backend ray needs the extra 'ray': pip install 'pix2pred[ray]'") from error
-    import os
-
     if not ray.is_initialized():
-        local: dict[str, Any] = {} if os.environ.get("RAY_ADDRESS") else {"num_cpus": jobs, "include_dashboard": False}
-        ray.init(log_to_driver=False, **local)
+        here = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}  # workers of this machine import what we can
+        local: dict[str, Any] = {"num_cpus": jobs, "include_dashboard": False, "runtime_env": {"env_vars": here}}
+        ray.init(log_to_driver=False, **({} if os.environ.get("RAY_ADDRESS") else local))
         stack.callback(ray.shutdown)
     register_ray()
     return {"backend": "ray"}

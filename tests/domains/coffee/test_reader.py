@@ -89,7 +89,7 @@ def test_word_accuracy_on_seeds_used_nowhere_else() -> None:
     measured = train_reader.measure("coffee", model(), worlds, scenes)
     assert len(measured) >= 40
     for word, row in measured.items():
-        assert row["true_cases"] >= 10 and row["false_cases"] >= 10, word
+        assert row["true_cases"] >= 8 and row["false_cases"] >= 8, word
         assert row["balanced_accuracy"] >= HARDER.get(word, LEAST), (word, row)
         assert row["hidden_unknown_share"] == 1.0
 
