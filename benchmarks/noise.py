@@ -4,7 +4,7 @@
 
 For every (family, error model, rate, draw): a pool of typed words is drawn, the candidates' labels are flipped, each
 learner selects for itself, and 10 test tasks are planned with true labels and executed. OUT/rows.jsonl has a line per
-run, and runs that are already in it are not repeated; OUT/noise.md is the table and docs/images/noise.svg the figure.
+run, and runs that are already in it are not repeated; OUT/noise.md is the table and OUT/noise.svg the figure.
 """
 
 from __future__ import annotations
@@ -115,14 +115,42 @@ def main() -> None:
         for f in arguments.families for e in arguments.errors for r in arguments.rates
         for d in range(arguments.draws) for learner in arguments.learners
     ]  # fmt: skip
-    rows = []
-    with (arguments.out / "rows.jsonl").open("w") as stream:
-        for row in Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(once)(*job) for job in jobs):
+    rows = _read(arguments.out / "rows.jsonl")
+    done = {(r["family"], r["errors"], r["rate"], r["draw"], r["learner"]) for r in rows}
+    todo = [job for job in jobs if job[:5] not in done]
+    with (arguments.out / "rows.jsonl").open("a") as stream:
+        for row in Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(once)(*job) for job in todo):
             stream.write(json.dumps(row) + "\n")
             stream.flush()
             rows.append(row)
     (arguments.out / "noise.md").write_text(table(rows))
     print(table(rows))
+    figure(rows, arguments.out / "noise.svg")
+
+
+def _read(path: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def figure(rows: Sequence[dict[str, Any]], path: Path) -> None:
+    """Solved tasks in percent against the rate of errors; a column per family, a line per learner and error model."""
+    from matplotlib.figure import Figure
+
+    families = [f for f in NEEDED if any(r["family"] == f for r in rows)]
+    canvas = Figure(figsize=(3.2 * len(families), 3.2), layout="constrained")
+    for axes, family in zip(np.atleast_1d(canvas.subplots(1, len(families), sharey=True)), families, strict=True):
+        for errors, style in (("independent", "-"), ("sticky", "--")):
+            for learner, colour in zip(LEARNERS, ("#b4532a", "#1f6f8b"), strict=True):
+                found = [r for r in rows if (r["family"], r["errors"], r["learner"]) == (family, errors, learner)]
+                rates = sorted({r["rate"] for r in found})
+                shares = [100 * np.mean([r["solved"] / r["tasks"] for r in found if r["rate"] == x]) for x in rates]
+                label = f"{learner}, {errors}"
+                axes.plot([100 * x for x in rates], shares, style, color=colour, marker="o", markersize=3, label=label)
+        axes.set(title=family, xlabel="wrong labels, %", ylim=(-3, 103))
+        axes.grid(alpha=0.3)
+    canvas.axes[0].set_ylabel("tasks solved, %")
+    canvas.legend(*canvas.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+    canvas.savefig(path)
 
 
 if __name__ == "__main__":
