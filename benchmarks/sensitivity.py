@@ -3,8 +3,8 @@
     python benchmarks/sensitivity.py --draws 2 --jobs 2 --out runs/sensitivity
 
 For every J_thresh, h_pre_frac and h_data_frac: workloads of all families with 2 % of the candidates' labels flipped,
-and the share of test tasks solved in the simulator. OUT/rows.jsonl holds every run (a second call goes on where the first
-stopped), OUT/sensitivity.svg the figure.
+and the share of test tasks solved in the simulator. OUT/rows.jsonl holds every run (a second call goes on where the
+first stopped), OUT/sensitivity.svg the figure.
 """
 
 from __future__ import annotations
