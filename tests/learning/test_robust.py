@@ -164,6 +164,13 @@ def test_order_changes_numbers_only() -> None:
     assert [s.j for s in first.steps] == pytest.approx([s.j for s in second.steps], abs=1e-3)
 
 
+def test_nothing_to_learn_from() -> None:
+    assert learn_operators(table([DONE], [HOT], []), ROBUST) == ()
+    assert learn_operators(table([DONE], [HOT], [demo("d", [A], [], [[HOT(A)]])]), ROBUST) == ()
+    first, *_ = learn_operators(TruthTable((DONE,), (), (heated(RIGHT),)), ROBUST)
+    assert first.skill == WAIT
+
+
 def test_workers_do_not_change_the_result() -> None:
     from pix2pred.parallel import Workers
 

@@ -35,6 +35,8 @@ PRIOR_LABELS = 20.0
 """How many labels the pooled error rate counts for in the estimate of one predicate's."""
 
 ROUNDS_FREE = 6
+"""Rounds of estimation before effects are settled."""
+
 CELLS = 1 << 18
 """Labels treated at a time, which bounds memory."""
 
@@ -165,7 +167,7 @@ class _Chains:
 
 
 def _blocks(data: Data, places: _Places, noisy: Sequence[int]) -> Iterator[_Chains]:
-    states = max(demo.states for demo in data.demos)
+    states = max((demo.states for demo in data.demos), default=0)
     rows: list[tuple[int, int, ObjectIds]] = []
     for p in noisy:
         for d, demo in enumerate(data.demos):
