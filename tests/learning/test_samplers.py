@@ -130,7 +130,7 @@ def test_the_classifier_rejects_and_the_draw_says_how_often() -> None:
     data = band(120)
     sampler = fit_gaussian(data, PUSH.low, PUSH.high)
     rng = np.random.default_rng(0)
-    draws = [sampler.sample({cup: (0.5,), pads[0]: (1.0,)}, (cup, pads[0]), rng) for _ in range(100)]
+    draws = [sampler.sample({cup: (-1.0,), pads[0]: (1.0,)}, (cup, pads[0]), rng) for _ in range(100)]  # far off
     assert {d.sampler for d in draws} == {"gaussian"} and sum(d.rejections for d in draws) > 0
     never = LearnedSampler("gaussian", sampler.gaussian, sampler.validity, (2.0,), (3.0,), max_rejections=7)
     hopeless = never.sample({cup: (0.5,), pads[0]: (1.0,)}, (cup, pads[0]), rng)

@@ -43,11 +43,10 @@ def learn(
 ) -> int:
     """Learn a world model from the demonstrations in a project folder.
 
-    Examples:
-        pix2pred learn data/stacks --vlm offline --out runs/stacks
-        pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run
-        pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea
-        pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea
+    Examples: pix2pred learn data/stacks --vlm offline --out runs/stacks
+    pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run
+    pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea
+    pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea
     """
     if any(out.resolve().is_relative_to((data / part).resolve()) for part in ("demos", "tasks")):
         raise RegistryError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")

@@ -53,7 +53,7 @@ def load_samplers(path: Path) -> dict[str, Sampler]:
             operator, name, part = key.split("|", 2)
             grouped.setdefault((operator, name), {})[part] = value
         return {operator: _build(name, parts) for (operator, name), parts in grouped.items()}
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise SamplerFileError(f"{path}: cannot be read as samplers ({error}); learn the model again") from error
 
 
