@@ -29,8 +29,10 @@ MAY_IMPORT |= {
     "pipeline": LOWER,
     "run_folder": {"structs"},
     "runs": LOWER | {"pipeline", "run_folder"},
+    "report": LOWER | {"pipeline", "run_folder", "runs"},
+    "review": LOWER | {"pipeline", "run_folder", "runs", "report"},
     "registry": LOWER | {"pipeline", "domains"},
-    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "cli"},
+    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "cli", "report", "review"},
 }
 
 

@@ -1,6 +1,6 @@
 """The whole method on one page: from demonstrations to a world model, and from a task to an episode.
 
-propose -> lift -> (+ feature grammar) -> label -> select and learn operators      learn()
+propose -> lift -> (+ feature grammar) -> label -> correct -> select and learn operators      learn()
 abstract -> plan -> execute                                                        Solver (execution room)
 """
 
@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
 from pix2pred.predicates import (
+    Corrections,
     GrammarSettings,
     Labeller,
     Labelling,
@@ -24,7 +25,7 @@ from pix2pred.predicates import (
     lift,
     propose,
 )
-from pix2pred.structs import Demo, PictureError, Vocabulary, WorldModel
+from pix2pred.structs import Demo, PictureError, TruthTable, Vocabulary, WorldModel
 from pix2pred.vlm import VLM
 
 
@@ -40,18 +41,28 @@ class Settings(BaseModel):
     concurrent_queries: int = Field(4, ge=1, description="queries under way at once; never changes a result")
 
 
+NO_CORRECTIONS = Corrections()
+
 Progress = Callable[[str, int, int, str], None]
 """Called with (stage, done, total, what is going on)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Learned:
-    """A world model and everything it came from."""
+class Selected:
+    """A world model, the corrected labels it was learned from, and how selection went."""
 
     model: WorldModel
+    table: TruthTable
+    selection: Selection
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What was proposed, what the model said about it, and what was made of that."""
+
     proposals: tuple[Proposal, ...]
     labelling: Labelling
-    selection: Selection
+    selected: Selected
 
 
 def learn(
@@ -60,6 +71,7 @@ def learn(
     vlm: VLM,
     settings: Settings,
     progress: Progress = lambda stage, done, total, text: None,
+    corrections: Corrections = NO_CORRECTIONS,
 ) -> Learned:
     """Learn a world model from demonstrations (method 2-6).
 
@@ -90,8 +102,26 @@ def learn(
         jobs=jobs,
         progress=lambda done, total, name: progress("label", done, total, name),
     )
-    progress("select", 0, len(labelling.table.candidates()), "")
-    climb = hill_climbing(labelling.table, settings.learning)
+    return Learned(
+        proposals, labelling, select(vocabulary, labelling.table, settings.learning, vlm.name, corrections, progress)
+    )
+
+
+def select(
+    vocabulary: Vocabulary,
+    table: TruthTable,
+    settings: LearningSettings,
+    labels_from: str,
+    corrections: Corrections = NO_CORRECTIONS,
+    progress: Progress = lambda stage, done, total, text: None,
+) -> Selected:
+    """Select predicates and learn operators from what a model said, corrected (method 4-6). Asks no model.
+
+    Raises ``CorrectionsError`` when the corrections do not fit the table.
+    """
+    corrected = corrections.apply(table)
+    progress("select", 0, len(corrected.table.candidates()), "")
+    climb = hill_climbing(corrected.table, settings, corrected.pinned)
     selection = climb.run(lambda done, total, name: progress("select", done, total, name))
-    model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
-    return Learned(model, proposals, labelling, selection)
+    model = WorldModel(vocabulary, selection.selected, selection.operators, labels_from)
+    return Selected(model, corrected.table, selection)

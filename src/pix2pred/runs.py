@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -9,17 +10,31 @@ from dataclasses import dataclass
 from typing import Any
 
 from pix2pred.execution import Solver, TruthOf
-from pix2pred.learning import dump_traces, selection_document
-from pix2pred.pipeline import Learned, Progress, Settings, learn
+from pix2pred.learning import dump_traces, load_traces, selection_document
+from pix2pred.pipeline import Learned, Progress, Selected, Settings, learn, select
 from pix2pred.planning.pddl_write import write_domain
-from pix2pred.predicates import READ, EmptyProposalError, Proposal, goal_warnings
-from pix2pred.run_folder import RunFolder
+from pix2pred.predicates import (
+    CORRECTIONS,
+    EVIDENCE,
+    READ,
+    Corrections,
+    EmptyProposalError,
+    Proposal,
+    dump_evidence,
+    goal_warnings,
+    load_corrections,
+)
+from pix2pred.run_folder import RunFolder, RunFolderError
 from pix2pred.structs import UNKNOWN, Demo, Episode, Failure, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask
-from pix2pred.structs.model_file import dump_model
+from pix2pred.structs.model_file import dump_model, load_model
 from pix2pred.vlm import CountingVLM
 
 MODEL = "model/world_model.json"
+AS_SAID = "labels/as_said.json"
+"""The truth table as the model gave it; ``labels/traces.json`` is what is left of it after corrections."""
+HISTORY = "history"
+"""Selections by the number of corrections they were made with."""
 
 
 def learn_into(
@@ -30,54 +45,110 @@ def learn_into(
     settings: Settings,
     progress: Progress,
 ) -> tuple[Learned, dict[str, Any]]:
-    """Learn a world model and write every artefact; gives the model and the summary that ``metrics.json`` holds."""
-    started: dict[str, float] = {}
-    start = time.perf_counter()
+    """Learn a world model and write every artefact; gives the model and the summary that ``metrics.json`` holds.
 
-    def timed(stage: str, done: int, total: int, text: str) -> None:
-        started.setdefault(stage, time.perf_counter())
-        progress(stage, done, total, text)
-
+    Corrections that the folder holds are applied to what the model said.
+    """
+    corrections = load_corrections(run.path / CORRECTIONS)
+    stages = _Stages(progress)
     try:
-        learned = learn(vocabulary, demos, vlm, settings, timed)
+        learned = learn(vocabulary, demos, vlm, settings, stages, corrections)
     except EmptyProposalError as error:
         run.write_json("proposals.json", [_proposal_doc(p) for p in error.proposals])
         raise
-    seconds = time.perf_counter() - start
-    table, selection = learned.labelling.table, learned.selection
+    table = learned.labelling.table
     run.write_json("proposals.json", [_proposal_doc(p) for p in learned.proposals])
-    run.write("labels/traces.json", dump_traces(vocabulary, table, settings.learning.model_dump()))
-    run.write_json("selection.json", selection_document(selection, settings.learning))
-    run.write(MODEL, dump_model(learned.model))
-    run.write("model/domain.pddl", write_domain(learned.model))
+    run.write(AS_SAID, dump_traces(vocabulary, table, settings.learning.model_dump()))
+    run.write(EVIDENCE, dump_evidence(demos, learned.labelling))
     metrics = {
-        "labels_from": learned.model.labels_from,
+        "labels_from": vlm.name,
         "demonstrations": len(demos),
         "transitions": sum(len(d.actions) for d in demos),
         "proposed": sum(len(p.accepted) for p in learned.proposals),
         "rejected": sum(len(p.rejected) for p in learned.proposals),
-        "candidates": len(table.candidates()),
-        "labels": sum(d.values.size for d in table.demos),
-        "unknown_labels": table.count(UNKNOWN),
         "label_problems": dict(sorted((k, v) for k, v in learned.labelling.counts.items() if v and k != READ)),
+        "labels": sum(d.values.size for d in table.demos),
+    }
+    metrics |= _write_selected(run, vocabulary, learned.selected, settings, corrections)
+    run.write_json("metrics.json", metrics)
+    run.write_json("timings.json", stages.timings() | {"queries": vlm.usage.as_dict()})
+    return learned, metrics | {"seconds": stages.seconds()}
+
+
+def relearn(run: RunFolder, progress: Progress) -> tuple[Selected, dict[str, Any]]:
+    """Select and learn again in a finished run, from what the model said and the corrections made since.
+
+    Asks no model and reads no picture. Raises ``RunFolderError`` when the run was never finished.
+    """
+    for name in (AS_SAID, MODEL, "metrics.json"):
+        if not (run.path / name).exists():
+            raise RunFolderError(
+                f"{run.path / name}: is missing, so there is nothing to learn again from; "
+                "finish the run first with 'pix2pred learn DATA --out RUN'"
+            )
+    config = run.config()
+    try:
+        settings = Settings.model_validate(config["settings"])
+        metrics = json.loads((run.path / "metrics.json").read_text(encoding="utf-8"))
+    except (KeyError, ValueError) as error:
+        raise RunFolderError(f"{run.path}: is damaged ({type(error).__name__}: {error})") from error
+    model = load_model(run.path / MODEL)
+    corrections = load_corrections(run.path / CORRECTIONS)
+    table = load_traces(run.path / AS_SAID).table
+    stages = _Stages(progress)
+    selected = select(model.vocabulary, table, settings.learning, model.labels_from, corrections, stages)
+    metrics |= _write_selected(run, model.vocabulary, selected, settings, corrections)
+    run.write_json("metrics.json", metrics)
+    return selected, metrics | {"seconds": stages.seconds()}
+
+
+def _write_selected(
+    run: RunFolder, vocabulary: Vocabulary, selected: Selected, settings: Settings, corrections: Corrections
+) -> dict[str, Any]:
+    """Write what selection gave, and remember it among the results before; gives its part of the summary."""
+    table, selection = selected.table, selected.selection
+    document = selection_document(selection, settings.learning)
+    run.write("labels/traces.json", dump_traces(vocabulary, table, settings.learning.model_dump()))
+    run.write_json("selection.json", document)
+    run.write(MODEL, dump_model(selected.model))
+    run.write("model/domain.pddl", write_domain(selected.model))
+    run.write_json(f"{HISTORY}/{corrections.count:05d}.json", {"version": 1, "corrections": corrections.count} | document)
+    return {
+        "corrections": corrections.count,
+        "candidates": len(table.candidates()),
+        "unknown_labels": table.count(UNKNOWN),
         "warnings": goal_warnings(table.demos),
         "selected": [p.name for p in selection.selected],
         "operators": len(selection.operators),
         "J": [round(step.j, 4) for step in selection.steps],
         "budget_hits": selection.budget_hits,
     }
-    run.write_json("metrics.json", metrics)
-    stages = sorted(started.items(), key=lambda item: item[1])
-    ends = [*(t for _, t in stages[1:]), start + seconds]
-    run.write_json(
-        "timings.json",
-        {
-            "seconds": round(seconds, 3),
+
+
+class _Stages:
+    """Passes progress on and measures how long each stage takes."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._start = time.perf_counter()
+        self._begun: dict[str, float] = {}
+
+    def __call__(self, stage: str, done: int, total: int, text: str) -> None:
+        self._begun.setdefault(stage, time.perf_counter())
+        self._progress(stage, done, total, text)
+
+    def seconds(self) -> float:
+        return round(time.perf_counter() - self._start, 3)
+
+    def timings(self) -> dict[str, Any]:
+        """Seconds in total and by stage; the last stage ends now."""
+        seconds = self.seconds()
+        stages = sorted(self._begun.items(), key=lambda item: item[1])
+        ends = [*(t for _, t in stages[1:]), self._start + seconds]
+        return {
+            "seconds": seconds,
             "stages": {name: round(end - begin, 3) for (name, begin), end in zip(stages, ends, strict=True)},
-            "queries": vlm.usage.as_dict(),
-        },
-    )
-    return learned, metrics | {"seconds": round(seconds, 3)}
+        }
 
 
 def _proposal_doc(proposal: Proposal) -> dict[str, Any]:

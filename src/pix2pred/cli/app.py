@@ -15,12 +15,13 @@ from pix2pred.cli.data import check, generate
 from pix2pred.cli.demo import demo
 from pix2pred.cli.learn import learn
 from pix2pred.cli.plan_pddl import plan_pddl
+from pix2pred.cli.review import review
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
 from pix2pred.learning import TracesError
 from pix2pred.planning import ExternalPlannerError
-from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
+from pix2pred.predicates import CorrectionsError, EmptyProposalError, EvidenceError, UnusableAnswersError
 from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolderError
 from pix2pred.structs import PictureError
@@ -30,7 +31,9 @@ from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
 
 BAD_INPUT = (
+    CorrectionsError,
     EmptyProposalError,
+    EvidenceError,
     ExpressionError,
     ExternalPlannerError,
     FolderError,
@@ -51,7 +54,7 @@ app = App(
     suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (demo, generate, check, learn, solve, select, plan_pddl):
+for _verb in (demo, generate, check, learn, review, solve, select, plan_pddl):
     app.command(_verb)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pix2pred.learning.data import Data
 from pix2pred.learning.exact_tree import ExactTree
 from pix2pred.learning.grouped import Grouped
@@ -11,7 +13,7 @@ from pix2pred.learning.refinement import SkeletonSearch
 from pix2pred.learning.robust import Robust
 from pix2pred.learning.selection import HillClimbing, TieRule
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs import Operator, TruthTable
+from pix2pred.structs import Operator, Predicate, TruthTable
 
 
 def operator_learner(table: TruthTable, settings: LearningSettings) -> OperatorLearner:
@@ -29,9 +31,10 @@ def learn_operators(table: TruthTable, settings: LearningSettings) -> tuple[Oper
     return tuple(to_operator(learner.data, schema) for schema in found)
 
 
-def hill_climbing(table: TruthTable, settings: LearningSettings) -> HillClimbing:
-    """Selection as ``settings`` ask for."""
-    return HillClimbing(operator_learner(table, settings), settings, skeleton_search(settings), tie_rule(settings))
+def hill_climbing(table: TruthTable, settings: LearningSettings, pinned: Sequence[Predicate] = ()) -> HillClimbing:
+    """Selection as ``settings`` ask for, from ``pinned`` candidates on."""
+    search, ties = skeleton_search(settings), tie_rule(settings)
+    return HillClimbing(operator_learner(table, settings), settings, search, ties, pinned)
 
 
 def skeleton_search(settings: LearningSettings) -> SkeletonSearch:

@@ -41,13 +41,14 @@ class Step:
 class Selection:
     """The result of selecting: predicates, operators learned with them, and how it came about.
 
-    ``dropped`` were chosen but are no operator's precondition; ``identical`` lists, for each selected predicate, the
+    ``dropped`` were chosen but are no operator's precondition; ``pinned`` are selected because a person wants it; ``identical`` lists, for each selected predicate, the
     candidates that agree with it everywhere; ``evaluations`` counts candidate sets considered, ``scored`` those whose
     J had to be computed, ``searches`` the planning searches this took.
     """
 
     selected: tuple[Predicate, ...]
     dropped: tuple[Predicate, ...]
+    pinned: tuple[Predicate, ...]
     operators: tuple[Operator, ...]
     steps: tuple[Step, ...]
     identical: tuple[tuple[Predicate, tuple[Predicate, ...]], ...]
@@ -104,15 +105,21 @@ def _disagreements(learner: OperatorLearner, candidate: _Scored) -> int:
 
 
 class HillClimbing:
-    """Greedy forward selection from the initial predicates alone."""
+    """Greedy forward selection from the initial predicates and those that a person ``pinned``, which are kept."""
 
     def __init__(
-        self, learner: OperatorLearner, settings: LearningSettings, search: SkeletonSearch, ties: TieRule
+        self,
+        learner: OperatorLearner,
+        settings: LearningSettings,
+        search: SkeletonSearch,
+        ties: TieRule,
+        pinned: Sequence[Predicate] = (),
     ) -> None:
         self._learner = learner
         self._settings = settings
         self._ties = ties
         self._data = learner.data
+        self._pinned = tuple(sorted(self._data.predicates.index(p) for p in pinned))
         self._objective = Objective(learner, search)
         self._representatives = self._distinct_columns()
         self._evaluations = self._scored = self._budget_hits = 0
@@ -120,10 +127,9 @@ class HillClimbing:
     def run(self, progress: Progress = lambda done, total, text: None) -> Selection:
         """Climb until the early-stop rule holds or nothing improves; then learn the final operators."""
         data = self._data
-        initial = tuple(range(data.initial))
-        classes = self._learner.partition(initial)
-        score = self._objective.score((), classes)
-        current = _Scored(-1, (), classes, score)
+        classes = self._learner.partition((*range(data.initial), *self._pinned))
+        score = self._objective.score(self._pinned, classes)
+        current = _Scored(-1, self._pinned, classes, score)
         self._evaluations = self._scored = 1
         self._budget_hits = score.budget_hits
         steps = [Step(None, score.total, score.demos, ())]
@@ -161,8 +167,8 @@ class HillClimbing:
         """The cheapest candidate (first by name) of every distinct truth column, with the others that share it."""
         by_column: dict[tuple[object, ...], list[int]] = {}
         everything = range(self._data.initial, len(self._data.predicates))
-        candidates = [p for p in everything if p not in self._learner.unreliable]
-        for p in sorted(candidates, key=self._data.cost):
+        candidates = [p for p in everything if p not in self._learner.unreliable or p in self._pinned]
+        for p in sorted(candidates, key=lambda p: (p not in self._pinned, self._data.cost(p))):
             by_column.setdefault(self._data.column(p), []).append(p)
         return {members[0]: members[1:] for members in sorted(by_column.values())}
 
@@ -213,13 +219,14 @@ class HillClimbing:
             return tuple(to_operator(data, schema) for schema in found)
 
         used = {atom.predicate for op in learn(chosen) for atom in op.preconditions}
-        kept = [p for p in chosen if data.predicates[p] in used]
+        kept = [p for p in chosen if data.predicates[p] in used or p in self._pinned]
         return Selection(
             tuple(data.predicates[p] for p in kept),
             tuple(data.predicates[p] for p in chosen if p not in kept),
+            tuple(data.predicates[p] for p in self._pinned),
             learn(kept),
             tuple(steps),
-            tuple((data.predicates[p], tuple(data.predicates[q] for q in self._representatives[p])) for p in kept),
+            tuple((data.predicates[p], tuple(data.predicates[q] for q in self._representatives.get(p, ()))) for p in kept),
             self._evaluations,
             self._scored,
             self._objective.searches,

@@ -1,6 +1,8 @@
 """From pictures to symbols: proposing, labelling, and feature predicates."""
 
 from pix2pred.predicates.abstraction import Abstraction
+from pix2pred.predicates.corrections import CORRECTIONS, Corrections, CorrectionsError, load_corrections
+from pix2pred.predicates.evidence import EVIDENCE, EvidenceError, dump_evidence
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
 from pix2pred.predicates.label import READ, Labeller, LabelSettings, StateLabels, UnusableAnswersError
 from pix2pred.predicates.propose import (
@@ -15,9 +17,14 @@ from pix2pred.predicates.propose import (
 from pix2pred.predicates.table import Labelling, goal_warnings, ground_atoms, label_demos
 
 __all__ = [
+    "CORRECTIONS",
+    "EVIDENCE",
     "READ",
     "Abstraction",
+    "Corrections",
+    "CorrectionsError",
     "EmptyProposalError",
+    "EvidenceError",
     "GrammarSettings",
     "LabelSettings",
     "Labeller",
@@ -28,10 +35,12 @@ __all__ = [
     "Rejection",
     "StateLabels",
     "UnusableAnswersError",
+    "dump_evidence",
     "feature_predicates",
     "goal_warnings",
     "ground_atoms",
     "label_demos",
     "lift",
+    "load_corrections",
     "propose",
 ]

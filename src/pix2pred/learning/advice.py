@@ -1,0 +1,95 @@
+"""Which labels to check first: those that keep the published learner from the most probable model.
+
+The learner that allows for wrong labels names the predicates the world model should have; of candidates that it takes
+for synonyms, the one with the fewest doubted labels stands for all, as it is the least work to put right. The doubted
+labels of these predicates are then ordered greedily: next comes the one whose likely value lowers J most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pix2pred.learning.doubts import Doubt, Timeline, doubted
+from pix2pred.learning.engines import hill_climbing
+from pix2pred.learning.settings import LearningSettings
+from pix2pred.structs import Atom, LabelledDemo, Predicate, TruthTable
+
+MOST_ORDERED = 30
+"""Labels ordered by what they do to J; the rest follow by how probably they are wrong."""
+
+
+@dataclass(frozen=True, slots=True)
+class Advice:
+    """A label to check. ``gain`` is by how much its likely value lowers J of the probable model, all before it set."""
+
+    demo: str
+    atom: Atom
+    doubt: Doubt
+    gain: float
+
+
+def advise(table: TruthTable, settings: LearningSettings, pinned: Sequence[Predicate] = ()) -> list[Advice]:
+    """Labels of the most probable model's predicates to check, the most useful first."""
+    robust = hill_climbing(table, settings.model_copy(update={"operators": "robust"}), pinned).run()
+    identical = dict(robust.identical)
+    rivals = {p: (p, *identical.get(p, ())) for p in robust.selected}
+    timelines = doubted(table, [q for group in rivals.values() for q in group])
+    chosen = {_cleanest(group, timelines) for group in rivals.values()}
+    labels = [(t, d) for t in timelines if t.atom.predicate in chosen for d in t.doubts]
+    return _ordered(_only(table, chosen), settings, labels)
+
+
+def _cleanest(group: Sequence[Predicate], timelines: Sequence[Timeline]) -> Predicate:
+    """The predicate with the fewest labels expected to be wrong, the first by name of several."""
+    wrong = {p: sum(t.expected for t in timelines if t.atom.predicate == p) for p in group}
+    return min(group, key=lambda p: (round(wrong[p], 6), p))
+
+
+def _only(table: TruthTable, chosen: set[Predicate]) -> TruthTable:
+    kept = (*table.initial, *chosen)
+    pool = tuple(c for c in table.pool if c.predicate in chosen)
+    return TruthTable(table.initial, pool, tuple(d.restricted(kept) for d in table.demos))
+
+
+def _ordered(
+    table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]
+) -> list[Advice]:
+    by_doubt = sorted(labels, key=lambda x: (-round(x[1].wrong, 6), x[0].demo, x[0].atom, x[1].state))
+    rest, later = by_doubt[:MOST_ORDERED], by_doubt[MOST_ORDERED:]
+    current = _j(table, settings)
+    advice = []
+    while rest:
+        scored = [(_j(_with(table, t, d), settings), i) for i, (t, d) in enumerate(rest)]
+        j, best = min(scored)
+        timeline, doubt = rest.pop(best)
+        table = _with(table, timeline, doubt)
+        advice.append(Advice(timeline.demo, timeline.atom, doubt, current - j))
+        current = j
+    return advice + [Advice(t.demo, t.atom, d, 0.0) for t, d in later]
+
+
+def _j(table: TruthTable, settings: LearningSettings) -> float:
+    """J of the set of all candidates that are ever true."""
+    climb = hill_climbing(table, settings)
+    return round(climb.score([c.predicate for c in table.candidates()]).total, 4)
+
+
+def _with(table: TruthTable, timeline: Timeline, doubt: Doubt) -> TruthTable:
+    return with_labels(table, {(timeline.demo, timeline.atom, doubt.state): doubt.likely})
+
+
+def with_labels(table: TruthTable, labels: Mapping[tuple[str, Atom, int], int]) -> TruthTable:
+    """``table`` with other values for some labels, by (demonstration, atom, state)."""
+    demos: list[LabelledDemo] = []
+    for demo in table.demos:
+        mine = {(atom, state): value for (name, atom, state), value in labels.items() if name == demo.name}
+        if mine:
+            values = np.array(demo.values)
+            for (atom, state), value in mine.items():
+                values[state, demo.atoms.index(atom)] = value
+            demo = replace(demo, values=values)
+        demos.append(demo)
+    return TruthTable(table.initial, table.pool, tuple(demos))
