@@ -112,7 +112,9 @@ def _write_selected(
     run.write_json("selection.json", document)
     run.write(MODEL, dump_model(selected.model))
     run.write("model/domain.pddl", write_domain(selected.model))
-    run.write_json(f"{HISTORY}/{corrections.count:05d}.json", {"version": 1, "corrections": corrections.count} | document)
+    run.write_json(
+        f"{HISTORY}/{corrections.count:05d}.json", {"version": 1, "corrections": corrections.count} | document
+    )
     return {
         "corrections": corrections.count,
         "candidates": len(table.candidates()),

@@ -23,9 +23,7 @@ def learn(
     data: Path | None = None,
     /,
     *,
-    out: Annotated[
-        Path | None, Parameter(help="Run folder; the same command resumes an interrupted run.")
-    ] = None,
+    out: Annotated[Path | None, Parameter(help="Run folder; the same command resumes an interrupted run.")] = None,
     resume: Annotated[
         Path | None, Parameter(help="Learn again in this finished run, with its corrections; asks no model.")
     ] = None,

@@ -7,8 +7,10 @@ labels of these predicates are then ordered greedily: next comes the one whose l
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -17,7 +19,10 @@ from pix2pred.learning.engines import hill_climbing
 from pix2pred.learning.settings import LearningSettings
 from pix2pred.structs import Atom, LabelledDemo, Predicate, TruthTable
 
-MOST_ORDERED = 30
+MOST_CONSIDERED = 40
+"""Labels of which is computed what they do to J."""
+
+MOST_ORDERED = 12
 """Labels ordered by what they do to J; the rest follow by how probably they are wrong."""
 
 
@@ -36,7 +41,7 @@ def advise(table: TruthTable, settings: LearningSettings, pinned: Sequence[Predi
     robust = hill_climbing(table, settings.model_copy(update={"operators": "robust"}), pinned).run()
     identical = dict(robust.identical)
     rivals = {p: (p, *identical.get(p, ())) for p in robust.selected}
-    timelines = doubted(table, [q for group in rivals.values() for q in group])
+    timelines = doubted(table, [q for group in rivals.values() for q in group], unusual=True)
     chosen = {_cleanest(group, timelines) for group in rivals.values()}
     labels = [(t, d) for t in timelines if t.atom.predicate in chosen for d in t.doubts]
     return _ordered(_only(table, chosen), settings, labels)
@@ -54,21 +59,26 @@ def _only(table: TruthTable, chosen: set[Predicate]) -> TruthTable:
     return TruthTable(table.initial, pool, tuple(d.restricted(kept) for d in table.demos))
 
 
-def _ordered(
-    table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]
-) -> list[Advice]:
+def _ordered(table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]) -> list[Advice]:
+    """Greedily by expected gain; a label's gain is computed again only when it might be the best (lazy greedy)."""
     by_doubt = sorted(labels, key=lambda x: (-round(x[1].wrong, 6), x[0].demo, x[0].atom, x[1].state))
-    rest, later = by_doubt[:MOST_ORDERED], by_doubt[MOST_ORDERED:]
+    considered, later = by_doubt[:MOST_CONSIDERED], by_doubt[MOST_CONSIDERED:]
     current = _j(table, settings)
-    advice = []
-    while rest:
-        scored = [(_j(_with(table, t, d), settings), i) for i, (t, d) in enumerate(rest)]
-        j, best = min(scored)
-        timeline, doubt = rest.pop(best)
+    queue = [(-inf, -1, i) for i in range(len(considered))]
+    advice: list[Advice] = []
+    while queue and len(advice) < MOST_ORDERED:
+        _, _, i = heapq.heappop(queue)
+        timeline, doubt = considered[i]
+        gain = current - _j(_with(table, timeline, doubt), settings)
+        entry = (-round(gain * doubt.wrong, 4), len(advice), i)
+        if queue and entry > queue[0]:
+            heapq.heappush(queue, entry)
+            continue
         table = _with(table, timeline, doubt)
-        advice.append(Advice(timeline.demo, timeline.atom, doubt, current - j))
-        current = j
-    return advice + [Advice(t.demo, t.atom, d, 0.0) for t, d in later]
+        advice.append(Advice(timeline.demo, timeline.atom, doubt, gain))
+        current -= gain
+    rest = [considered[i] for i in sorted(i for _, _, i in queue)]
+    return advice + [Advice(t.demo, t.atom, d, 0.0) for t, d in (*rest, *later)]
 
 
 def _j(table: TruthTable, settings: LearningSettings) -> float:

@@ -226,7 +226,9 @@ class HillClimbing:
             tuple(data.predicates[p] for p in self._pinned),
             learn(kept),
             tuple(steps),
-            tuple((data.predicates[p], tuple(data.predicates[q] for q in self._representatives.get(p, ()))) for p in kept),
+            tuple(
+                (data.predicates[p], tuple(data.predicates[q] for q in self._representatives.get(p, ()))) for p in kept
+            ),
             self._evaluations,
             self._scored,
             self._objective.searches,

@@ -35,9 +35,7 @@ class Suspicion:
             "demo": self.timeline.demo,
             "atom": [self.predicate, *(o.name for o in self.timeline.atom.objects)],
             "text": str(self.timeline.atom),
-            "doubts": [
-                [d.state, _letter(d.label), _letter(d.likely), round(d.wrong, 4)] for d in self.timeline.doubts
-            ],
+            "doubts": [[d.state, _letter(d.label), _letter(d.likely), round(d.wrong, 4)] for d in self.timeline.doubts],
             "reasons": list(self.reasons),
         }
 

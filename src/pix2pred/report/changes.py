@@ -55,7 +55,12 @@ def describe(row: Row) -> tuple[str, str, str, str]:
     """When, what, old and new."""
     match row:
         case LabelRow():
-            return row.when, f"{row.atom[0]}({', '.join(row.atom[1:])}), {row.demo}, state {row.state}", row.old, row.new
+            return (
+                row.when,
+                f"{row.atom[0]}({', '.join(row.atom[1:])}), {row.demo}, state {row.state}",
+                row.old,
+                row.new,
+            )
         case RenameRow():
             return row.when, f"name of {row.predicate}", row.old, row.new
         case MergeRow():

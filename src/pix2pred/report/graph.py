@@ -50,9 +50,7 @@ class Graph:
     height: float
 
 
-def operator_graph(
-    operators: Sequence[Operator], readings: Sequence[Reading], demos: Sequence[LabelledDemo]
-) -> Graph:
+def operator_graph(operators: Sequence[Operator], readings: Sequence[Reading], demos: Sequence[LabelledDemo]) -> Graph:
     """Lay out ``operators`` by the transitions that support them."""
     by_name = {op.name: op for op in operators}
     used = {

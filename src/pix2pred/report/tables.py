@@ -36,7 +36,9 @@ def tables(contents: Contents, suspicions: list[Suspicion], status: dict[str, di
         demos.append(
             {
                 "name": demo.name,
-                "objects": [[o.name, o.type.name, (known.descriptors if known else {}).get(o.name, "")] for o in objects],
+                "objects": [
+                    [o.name, o.type.name, (known.descriptors if known else {}).get(o.name, "")] for o in objects
+                ],
                 "goal": [str(a) for a in demo.goal],
                 "actions": [{"text": str(a), "objects": [index[o] for o in a.objects]} for a in demo.actions],
                 "atoms": [[numbers[a.predicate], *(index[o] for o in a.objects)] for a in atoms],

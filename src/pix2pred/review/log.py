@@ -43,9 +43,7 @@ class CorrectionLog:
         self._said = said
         self._demos = {demo.name: demo for demo in said.demos}
         self._columns = {
-            demo.name: {
-                (a.predicate.name, *(o.name for o in a.objects)): i for i, a in enumerate(demo.atoms)
-            }
+            demo.name: {(a.predicate.name, *(o.name for o in a.objects)): i for i, a in enumerate(demo.atoms)}
             for demo in said.demos
         }
 

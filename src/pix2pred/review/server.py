@@ -57,7 +57,7 @@ class _Handler(BaseHTTPRequestHandler):
     sys_version = ""
     timeout = 60
 
-    def do_GET(self) -> None:  # noqa: N802
+    def do_GET(self) -> None:
         """The page, the corrections in force, or how learning is going."""
         name = self._admitted()
         session = self.server.session
@@ -69,7 +69,7 @@ class _Handler(BaseHTTPRequestHandler):
         elif name is not None:
             self._refuse(HTTPStatus.NOT_FOUND, "nothing here")
 
-    def do_POST(self) -> None:  # noqa: N802
+    def do_POST(self) -> None:
         """New corrections, or the wish to learn again."""
         name = self._admitted()
         if name is None:
