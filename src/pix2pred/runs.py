@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pix2pred.execution import Solver, TruthOf
-from pix2pred.learning import dump_traces, load_traces, selection_document
+from pix2pred.learning import advice_document, advise, dump_traces, load_traces, selection_document
 from pix2pred.pipeline import Learned, Progress, Selected, Settings, learn, select
 from pix2pred.planning.pddl_write import write_domain
 from pix2pred.predicates import (
@@ -33,6 +33,8 @@ from pix2pred.vlm import CountingVLM
 MODEL = "model/world_model.json"
 AS_SAID = "labels/as_said.json"
 """The truth table as the model gave it; ``labels/traces.json`` is what is left of it after corrections."""
+ADVICE = "labels/doubts.json"
+"""Labels that are probably wrong, the most useful to check first."""
 HISTORY = "history"
 """Selections by the number of corrections they were made with."""
 
@@ -69,7 +71,9 @@ def learn_into(
         "label_problems": dict(sorted((k, v) for k, v in learned.labelling.counts.items() if v and k != READ)),
         "labels": sum(d.values.size for d in table.demos),
     }
+    stages("doubt", 0, 1, "")
     metrics |= _write_selected(run, vocabulary, learned.selected, settings, corrections)
+    stages("doubt", 1, 1, "")
     run.write_json("metrics.json", metrics)
     run.write_json("timings.json", stages.timings() | {"queries": vlm.usage.as_dict()})
     return learned, metrics | {"seconds": stages.seconds()}
@@ -97,7 +101,9 @@ def relearn(run: RunFolder, progress: Progress) -> tuple[Selected, dict[str, Any
     table = load_traces(run.path / AS_SAID).table
     stages = _Stages(progress)
     selected = select(model.vocabulary, table, settings.learning, model.labels_from, corrections, stages)
+    stages("doubt", 0, 1, "")
     metrics |= _write_selected(run, model.vocabulary, selected, settings, corrections)
+    stages("doubt", 1, 1, "")
     run.write_json("metrics.json", metrics)
     return selected, metrics | {"seconds": stages.seconds()}
 
@@ -112,9 +118,10 @@ def _write_selected(
     run.write_json("selection.json", document)
     run.write(MODEL, dump_model(selected.model))
     run.write("model/domain.pddl", write_domain(selected.model))
-    run.write_json(
-        f"{HISTORY}/{corrections.count:05d}.json", {"version": 1, "corrections": corrections.count} | document
-    )
+    version = {"version": 1, "corrections": corrections.count}
+    run.write_json(f"{HISTORY}/{corrections.count:05d}.json", version | document)
+    advice = advise(table, settings.learning, selection.pinned, selection.selected)
+    run.write_json(ADVICE, advice_document(advice))
     return {
         "corrections": corrections.count,
         "candidates": len(table.candidates()),

@@ -26,6 +26,7 @@ _STAGES = {
     "propose": "Proposing predicates",
     "label": "Labelling states",
     "select": "Selecting predicates",
+    "doubt": "Looking for wrong labels",
     "solve": "Solving tasks",
     "score": "Scoring a set",
 }

@@ -11,13 +11,14 @@ import heapq
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
+from typing import Any
 
 import numpy as np
 
 from pix2pred.learning.doubts import Doubt, Timeline, doubted
 from pix2pred.learning.engines import hill_climbing
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs import Atom, LabelledDemo, Predicate, TruthTable
+from pix2pred.structs import FALSE, TRUE, UNKNOWN, Atom, LabelledDemo, Predicate, TruthTable
 
 MOST_CONSIDERED = 40
 """Labels of which is computed what they do to J."""
@@ -27,7 +28,7 @@ MOST_ORDERED = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Advice:
+class LabelAdvice:
     """A label to check. ``gain`` is by how much its likely value lowers J of the probable model, all before it set."""
 
     demo: str
@@ -36,15 +37,50 @@ class Advice:
     gain: float
 
 
-def advise(table: TruthTable, settings: LearningSettings, pinned: Sequence[Predicate] = ()) -> list[Advice]:
-    """Labels of the most probable model's predicates to check, the most useful first."""
+@dataclass(frozen=True, slots=True)
+class Advice:
+    """Predicates that the most probable model selects, and labels to check, the most useful first."""
+
+    predicates: tuple[Predicate, ...]
+    labels: tuple[LabelAdvice, ...]
+
+
+def advise(
+    table: TruthTable,
+    settings: LearningSettings,
+    pinned: Sequence[Predicate] = (),
+    selected: Sequence[Predicate] = (),
+) -> Advice:
+    """The most probable model's predicates and their labels to check; after these come doubts about ``selected``."""
+    settings = settings.model_copy(update={"operators": "cluster-and-intersect"})
     robust = hill_climbing(table, settings.model_copy(update={"operators": "robust"}), pinned).run()
     identical = dict(robust.identical)
     rivals = {p: (p, *identical.get(p, ())) for p in robust.selected}
     timelines = doubted(table, [q for group in rivals.values() for q in group], unusual=True)
     chosen = {_cleanest(group, timelines) for group in rivals.values()}
     labels = [(t, d) for t in timelines if t.atom.predicate in chosen for d in t.doubts]
-    return _ordered(_only(table, chosen), settings, labels)
+    others = doubted(table, [p for p in selected if p not in chosen], unusual=True)
+    rest = [LabelAdvice(t.demo, t.atom, d, 0.0) for t in others for d in t.doubts]
+    ordered = _ordered(_only(table, chosen), settings, labels)
+    return Advice(tuple(sorted(chosen)), (*ordered, *rest))
+
+
+def advice_document(advice: Advice) -> dict[str, Any]:
+    """The JSON form of advice: labels in words."""
+    words = {TRUE: "true", FALSE: "false", UNKNOWN: "unknown"}
+    rows = [
+        {
+            "demo": a.demo,
+            "atom": [a.atom.predicate.name, *(o.name for o in a.atom.objects)],
+            "state": a.doubt.state,
+            "label": words[a.doubt.label],
+            "likely": words[a.doubt.likely],
+            "probability": round(a.doubt.wrong, 4),
+            "gain": round(a.gain, 1),
+        }
+        for a in advice.labels
+    ]
+    return {"version": 1, "predicates": [p.name for p in advice.predicates], "labels": rows}
 
 
 def _cleanest(group: Sequence[Predicate], timelines: Sequence[Timeline]) -> Predicate:
@@ -59,13 +95,15 @@ def _only(table: TruthTable, chosen: set[Predicate]) -> TruthTable:
     return TruthTable(table.initial, pool, tuple(d.restricted(kept) for d in table.demos))
 
 
-def _ordered(table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]) -> list[Advice]:
+def _ordered(
+    table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]
+) -> list[LabelAdvice]:
     """Greedily by expected gain; a label's gain is computed again only when it might be the best (lazy greedy)."""
     by_doubt = sorted(labels, key=lambda x: (-round(x[1].wrong, 6), x[0].demo, x[0].atom, x[1].state))
     considered, later = by_doubt[:MOST_CONSIDERED], by_doubt[MOST_CONSIDERED:]
     current = _j(table, settings)
     queue = [(-inf, -1, i) for i in range(len(considered))]
-    advice: list[Advice] = []
+    advice: list[LabelAdvice] = []
     while queue and len(advice) < MOST_ORDERED:
         _, _, i = heapq.heappop(queue)
         timeline, doubt = considered[i]
@@ -75,10 +113,10 @@ def _ordered(table: TruthTable, settings: LearningSettings, labels: Sequence[tup
             heapq.heappush(queue, entry)
             continue
         table = _with(table, timeline, doubt)
-        advice.append(Advice(timeline.demo, timeline.atom, doubt, gain))
+        advice.append(LabelAdvice(timeline.demo, timeline.atom, doubt, gain))
         current -= gain
     rest = [considered[i] for i in sorted(i for _, _, i in queue)]
-    return advice + [Advice(t.demo, t.atom, d, 0.0) for t, d in (*rest, *later)]
+    return advice + [LabelAdvice(t.demo, t.atom, d, 0.0) for t, d in (*rest, *later)]
 
 
 def _j(table: TruthTable, settings: LearningSettings) -> float:

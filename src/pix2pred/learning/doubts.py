@@ -49,8 +49,8 @@ class Timeline:
 def doubted(table: TruthTable, predicates: Iterable[Predicate], *, unusual: bool = False) -> list[Timeline]:
     """The timelines of ``predicates`` with doubted labels, the most wrong ones first.
 
-    ``unusual`` also doubts labels that differ from most of those that the same kind of transition has at the same place:
-    errors in the first state, which a course cannot tell from effects, but which break unanimous operators.
+    ``unusual`` also doubts labels that differ from most of those that the same kind of transition has at the same
+    place: errors in the first state, which a course cannot tell from effects, but which break unanimous operators.
 
     Only values that were asked of a model are doubted, and predicates that are never true have none to compare.
     """

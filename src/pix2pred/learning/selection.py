@@ -41,9 +41,10 @@ class Step:
 class Selection:
     """The result of selecting: predicates, operators learned with them, and how it came about.
 
-    ``dropped`` were chosen but are no operator's precondition; ``pinned`` are selected because a person wants it; ``identical`` lists, for each selected predicate, the
-    candidates that agree with it everywhere; ``evaluations`` counts candidate sets considered, ``scored`` those whose
-    J had to be computed, ``searches`` the planning searches this took.
+    ``dropped`` were chosen but are no operator's precondition; ``pinned`` are selected because a person wants it;
+    ``identical`` lists, for each selected predicate, the candidates that agree with it everywhere; ``evaluations``
+    counts candidate sets considered, ``scored`` those whose J had to be computed, ``searches`` the planning searches
+    this took.
     """
 
     selected: tuple[Predicate, ...]

@@ -1,72 +1,74 @@
-"""Where to look first: labels that are probably wrong, why they are suspected, and what they would change."""
+"""Where to look first: labels that are probably wrong, and why they are suspected."""
 
 from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from pix2pred.learning import Timeline, Verdict
+from pix2pred.learning import Verdict
 from pix2pred.report.contents import Contents
-from pix2pred.structs import FALSE, TRUE, LabelledDemo
+from pix2pred.structs import LabelledDemo
 
 MOST = 60
 """Timelines shown."""
 
 _PROBABILITY = re.compile(r"\b(?:probability|confidence)\b[^0-9]{0,20}([01]?\.\d+|[01])\b", re.IGNORECASE)
 _UNSURE = (0.2, 0.8)
+_LETTERS = {"true": "1", "false": "0", "unknown": "?"}
+
+Broken = Mapping[tuple[str, int, str], set[str]]
+"""Operators that a transition contradicts, by (demonstration, state, atom) of what differs."""
 
 
 @dataclass(frozen=True, slots=True)
 class Suspicion:
-    """An atom's doubted labels in one demonstration. ``predicate`` is the model's name for it."""
+    """An atom's doubted labels in one demonstration, as rows of the run's advice.
 
-    timeline: Timeline
-    predicate: str
-    weight: float
+    ``text`` is the atom as it is called now, ``atom`` the model's name for its predicate and the objects.
+    """
+
+    demo: str
+    text: str
+    atom: tuple[str, ...]
+    labels: tuple[Mapping[str, Any], ...]
     reasons: tuple[str, ...]
 
     def as_dict(self) -> dict[str, Any]:
         """JSON-compatible; labels are 1, 0 and ? as in the tables."""
         return {
-            "demo": self.timeline.demo,
-            "atom": [self.predicate, *(o.name for o in self.timeline.atom.objects)],
-            "text": str(self.timeline.atom),
-            "doubts": [[d.state, _letter(d.label), _letter(d.likely), round(d.wrong, 4)] for d in self.timeline.doubts],
+            "demo": self.demo,
+            "atom": list(self.atom),
+            "text": self.text,
+            "doubts": [
+                [r["state"], _LETTERS[r["label"]], _LETTERS[r["likely"]], r["probability"]] for r in self.labels
+            ],
             "reasons": list(self.reasons),
         }
 
 
 def suspicions(contents: Contents) -> list[Suspicion]:
-    """The most useful timelines to check, first the one with the most at stake.
-
-    A timeline counts for the number of its labels that are expected to be wrong, and double for predicates that the
-    world model uses.
-    """
+    """The labels of the run's advice by atom, in its order; those that a person has looked at are left out."""
+    groups: dict[tuple[str, tuple[str, ...]], list[Mapping[str, Any]]] = defaultdict(list)
+    for row in contents.advice["labels"]:
+        atom = (contents.original(row["atom"][0]), *row["atom"][1:])
+        if (row["demo"], row["state"], atom) not in contents.corrections.labels:
+            groups[row["demo"], atom].append(row)
     broken = _broken(contents)
-    used = set(contents.model.predicates)
     demos = {demo.name: demo for demo in contents.table.demos}
-    confirmed = {(c[0], c[1], c[2]) for c in contents.learned_corrections.labels}
     found = []
-    for timeline in contents.doubts:
-        predicate = contents.original(timeline.atom.predicate)
-        cell = (predicate, *(o.name for o in timeline.atom.objects))
-        doubts = tuple(d for d in timeline.doubts if (timeline.demo, d.state, cell) not in confirmed)
-        if not doubts:
-            continue
-        open_ = Timeline(timeline.demo, timeline.atom, doubts)
-        in_model = timeline.atom.predicate in used
-        reasons = _reasons(contents, demos[timeline.demo], open_, predicate, broken) if in_model else ()
-        reasons = reasons or _reasons(contents, demos[timeline.demo], open_, predicate, {})
-        found.append(Suspicion(open_, predicate, open_.expected * (2 if in_model else 1), reasons))
-    return sorted(found, key=lambda s: (-round(s.weight, 6), s.timeline.demo, s.timeline.atom))[:MOST]
+    for (name, atom), rows in list(groups.items())[:MOST]:
+        text = f"{rows[0]['atom'][0]}({', '.join(atom[1:])})"
+        reasons = _reasons(contents, demos[name], text, atom, rows, broken)
+        found.append(Suspicion(name, text, atom, tuple(sorted(rows, key=lambda r: r["state"])), reasons))
+    return found
 
 
-def _broken(contents: Contents) -> dict[tuple[str, int, str], set[str]]:
-    """Operators that a transition contradicts, by (demonstration, state, atom) of what differs."""
+def _broken(contents: Contents) -> Broken:
     broken: dict[tuple[str, int, str], set[str]] = defaultdict(set)
     for reading in contents.readings:
         if reading.verdict == Verdict.SUPPORTS:
@@ -82,45 +84,42 @@ def _broken(contents: Contents) -> dict[tuple[str, int, str], set[str]]:
 def _reasons(
     contents: Contents,
     demo: LabelledDemo,
-    timeline: Timeline,
-    predicate: str,
-    broken: dict[tuple[str, int, str], set[str]],
+    text: str,
+    atom: tuple[str, ...],
+    rows: Sequence[Mapping[str, Any]],
+    broken: Broken,
 ) -> tuple[str, ...]:
     reasons = []
-    if any(_flips(demo, timeline, d.state) for d in timeline.doubts):
+    states = [row["state"] for row in rows]
+    if any(_flips(demo, text, set(atom[1:]), state) for state in states):
         reasons.append("flips without a cause")
-    if any(d.label not in (TRUE, FALSE) for d in timeline.doubts):
+    if any(row["label"] == "unknown" for row in rows):
         reasons.append("unknown")
-    if any(_unsure(contents, timeline, predicate, d.state) for d in timeline.doubts):
+    if any(_unsure(contents, demo.name, f"{atom[0]}({', '.join(atom[1:])})", state) for state in states):
         reasons.append("the model was unsure")
-    operators = {op for d in timeline.doubts for op in broken.get((timeline.demo, d.state, str(timeline.atom)), ())}
+    operators = {op for state in states for op in broken.get((demo.name, state, text), ())}
     if operators:
         reasons.append(f"contradicts {', '.join(sorted(operators, key=lambda n: (len(n), n)))}")
-    return tuple(reasons)
+    return tuple(reasons) or ("unlike the other demonstrations",)
 
 
-def _flips(demo: LabelledDemo, timeline: Timeline, state: int) -> bool:
+def _flips(demo: LabelledDemo, text: str, objects: set[str], state: int) -> bool:
     """Whether the label differs from one beside it although the skill between has none of the atom's objects."""
-    column = demo.atoms.index(timeline.atom)
+    column = next((i for i, a in enumerate(demo.atoms) if str(a) == text), None)
+    if column is None:
+        return False
     values = np.asarray(demo.values[:, column])
-    for step in (state - 1, state):
-        if 0 <= step < len(demo.actions) and values[step] != values[step + 1]:
-            if not set(demo.actions[step].objects) & set(timeline.atom.objects):
-                return True
-    neighbours = [values[s] for s in (state - 1, state + 1) if 0 <= s < len(values)]
-    return len(neighbours) == 2 and all(n != values[state] for n in neighbours)
+    return any(
+        values[step] != values[step + 1] and not objects & {o.name for o in demo.actions[step].objects}
+        for step in (state - 1, state)
+        if 0 <= step < len(demo.actions)
+    )
 
 
-def _unsure(contents: Contents, timeline: Timeline, predicate: str, state: int) -> bool:
+def _unsure(contents: Contents, demo: str, atom: str, state: int) -> bool:
     """Whether the model gave a middling probability with its answer."""
-    objects = ", ".join(o.name for o in timeline.atom.objects)
-    for demo in contents.evidence.demos:
-        if demo.name == timeline.demo and (numbers := demo.why.get(f"{predicate}({objects})")):
-            number = numbers[state]
-            match = _PROBABILITY.search(contents.evidence.explanations[number]) if number >= 0 else None
+    for known in contents.evidence.demos:
+        if known.name == demo and (numbers := known.why.get(atom)) and numbers[state] >= 0:
+            match = _PROBABILITY.search(contents.evidence.explanations[numbers[state]])
             return match is not None and _UNSURE[0] < float(match[1]) < _UNSURE[1]
     return False
-
-
-def _letter(value: int) -> str:
-    return {TRUE: "1", FALSE: "0"}.get(value, "?")

@@ -23,7 +23,7 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """All versions, what the last learning gained and lost in operators against the one before, and every correction."""
+    """All versions, the operators that the last learning gained and lost, and every correction."""
 
     versions: tuple[Version, ...]
     gained: tuple[str, ...]

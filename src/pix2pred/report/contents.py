@@ -9,13 +9,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pix2pred.learning import Reading, Timeline, doubted, load_traces, readings
+from pix2pred.learning import Reading, load_traces, readings
 from pix2pred.predicates import CORRECTIONS, EVIDENCE, Corrections, ground_atoms
 from pix2pred.predicates.corrections import Row, read_rows, with_atoms
 from pix2pred.predicates.evidence import Evidence, load_evidence
 from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.runs import AS_SAID, HISTORY, MODEL
-from pix2pred.structs import Predicate, TruthTable, WorldModel
+from pix2pred.runs import ADVICE, AS_SAID, HISTORY, MODEL
+from pix2pred.structs import TruthTable, WorldModel
 from pix2pred.structs.model_file import load_model
 
 
@@ -29,6 +29,7 @@ class Contents:
     said: TruthTable
     table: TruthTable
     evidence: Evidence
+    advice: Mapping[str, Any]
     selection: Mapping[str, Any]
     metrics: Mapping[str, Any]
     timings: Mapping[str, Any]
@@ -60,17 +61,10 @@ class Contents:
         """Which transitions support or contradict which operator."""
         return readings(self.model.operators, [d.restricted(self.model.predicates) for d in self.table.demos])
 
-    @cached_property
-    def doubts(self) -> list[Timeline]:
-        """Probably wrong labels of predicates that selection took or nearly took."""
-        names = {p["predicate"] for step in self.selection["steps"] for p in step["runners_up"]}
-        watched = [c.predicate for c in self.table.pool if c.predicate.name in names]
-        return doubted(self.table, (*self.model.predicates, *watched))
-
-    def original(self, predicate: Predicate) -> str:
-        """What the model called a predicate."""
+    def original(self, predicate: str) -> str:
+        """What the model called a predicate that may have been renamed."""
         names = {new: old for old, new in self.learned_corrections.names.items()}
-        return names.get(predicate.name, predicate.name)
+        return names.get(predicate, predicate)
 
     @property
     def blobs(self) -> Path:
@@ -83,7 +77,9 @@ def load_contents(run: RunFolder) -> Contents:
     """Read a run. Raises ``RunFolderError`` for a folder without a finished run."""
     path = run.path
     config = run.config()
-    missing = [n for n in (MODEL, AS_SAID, EVIDENCE, "selection.json", "metrics.json") if not (path / n).exists()]
+    missing = [
+        n for n in (MODEL, AS_SAID, EVIDENCE, ADVICE, "selection.json", "metrics.json") if not (path / n).exists()
+    ]
     if missing:
         raise RunFolderError(f"{path / missing[0]}: is missing; finish the run with 'pix2pred learn DATA --out {path}'")
     return Contents(
@@ -93,6 +89,7 @@ def load_contents(run: RunFolder) -> Contents:
         load_traces(path / AS_SAID).table,
         load_traces(path / "labels/traces.json").table,
         load_evidence(path / EVIDENCE),
+        _json(path / ADVICE),
         _json(path / "selection.json"),
         _json(path / "metrics.json"),
         _json(path / "timings.json") if (path / "timings.json").exists() else {},

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pix2pred.learning import Reading, Verdict
 from pix2pred.structs import LabelledDemo, Operator
 
-WIDTH, HEIGHT, GAP_X, GAP_Y, MARGIN = 150.0, 52.0, 74.0, 34.0, 22.0
+WIDTH, HEIGHT, GAP_X, GAP_Y, MARGIN, ABOVE = 118.0, 50.0, 46.0, 30.0, 14.0, 84.0
 SLOTS_PER_OPERATOR = 0.8
 """Columns per operator at most; fewer when several are used at the same time."""
 
@@ -67,7 +67,7 @@ def operator_graph(operators: Sequence[Operator], readings: Sequence[Reading], d
         path = _curve(placed[source], placed[target])
         links.append(Link(source, target, path, title, round(1 + 2.5 * count / most, 2)))
     width = max((n.x for n in nodes), default=0) + WIDTH + MARGIN
-    height = max((n.y for n in nodes), default=0) + HEIGHT + 3 * MARGIN
+    height = max((n.y for n in nodes), default=0) + HEIGHT + 4 * MARGIN
     return Graph(tuple(nodes), tuple(links), width, height)
 
 
@@ -92,7 +92,7 @@ def _layout(
             op.name,
             op.skill.name,
             MARGIN + filled[column] * (WIDTH + GAP_X),
-            2 * MARGIN + row * (HEIGHT + GAP_Y) + (filled[column] % 2) * 18,
+            ABOVE + row * (HEIGHT + GAP_Y) + (filled[column] % 2) * 18,
         )
         for op, column, row in nodes
     ]
@@ -131,7 +131,7 @@ def _curve(a: Node, b: Node) -> str:
         x0, y0, x1, y1 = a.x + WIDTH, a.y + HEIGHT / 2, b.x, b.y + HEIGHT / 2
         bend = max(28.0, (x1 - x0) / 2)
         far = x1 - x0 > WIDTH
-        lift = 40 + 0.06 * (x1 - x0) if far else 0.0
+        lift = 34 + 0.05 * (x1 - x0) if far else 0.0
         return f"M{x0:.1f},{y0:.1f} C{x0 + bend:.1f},{y0 + lift:.1f} {x1 - bend:.1f},{y1 + lift:.1f} {x1:.1f},{y1:.1f}"
     x0, y0, x1, y1 = a.x + WIDTH * 0.35, a.y, b.x + WIDTH * 0.65, b.y
     if a.x == b.x:
@@ -139,5 +139,5 @@ def _curve(a: Node, b: Node) -> str:
         x0 = x1 = a.x + WIDTH * (0.4 if down else 0.6)
         y0, y1 = (a.y + HEIGHT, b.y) if down else (a.y, b.y + HEIGHT)
         return f"M{x0:.1f},{y0:.1f} L{x1:.1f},{y1:.1f}"
-    top = min(y0, y1) - 30 - 0.05 * (x0 - x1)
+    top = max(8.0, min(y0, y1) - 34 - 0.07 * (x0 - x1))
     return f"M{x0:.1f},{y0:.1f} C{x0:.1f},{top:.1f} {x1:.1f},{top:.1f} {x1:.1f},{y1:.1f}"

@@ -48,7 +48,7 @@ def render(contents: Contents, *, review: bool = False) -> str:
     return template.render(
         c=contents,
         version=__version__,
-        name=contents.folder.resolve().name,
+        name=_name(contents),
         review=review,
         style=Markup(_asset("style.css")),
         scripts=[Markup(s) for s in scripts],
@@ -67,6 +67,12 @@ def render(contents: Contents, *, review: bool = False) -> str:
         suspicions=suspicious,
         demo_numbers={demo.name: d for d, demo in enumerate(contents.shown.demos)},
     )
+
+
+def _name(contents: Contents) -> str:
+    """The run folder's name, after its parent's where it is but called ``run``."""
+    folder = contents.folder.resolve()
+    return f"{folder.parent.name}/{folder.name}" if folder.name == "run" else folder.name
 
 
 def as_json(corrections: Corrections) -> dict[str, Any]:

@@ -47,7 +47,8 @@ def episodes(summary: Mapping[str, Any], operators: Mapping[str, Operator]) -> l
     return [
         EpisodeView(
             e["task"], bool(e["solved"]), e["failure"] or "", e["detail"],
-            tuple(_step(s, operators) for s in e["steps"]) or tuple(PlanStep(a, "", "", "", (), None) for a in e["plan"]),
+            tuple(_step(s, operators) for s in e["steps"])
+            or tuple(PlanStep(a, "", "", "", (), None) for a in e["plan"]),
             tuple(e["true_visual_labels"]), tuple(e["label_errors"]), e["nodes"], e["replans"],
         )
         for e in summary["episodes"]

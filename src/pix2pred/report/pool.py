@@ -15,7 +15,7 @@ ORDER = ("selected", "dropped", "same", "runner-up", "candidate", "never true", 
 
 @dataclass(frozen=True, slots=True)
 class PoolEntry:
-    """A predicate of the pool. ``name`` is the model's, ``shown`` what it is called now; ``true`` and ``labels`` count."""
+    """A predicate of the pool. ``name`` is the model's, ``shown`` the present one; ``true`` and ``labels`` count."""
 
     name: str
     shown: str

@@ -19,13 +19,16 @@ def tables(contents: Contents, suspicions: list[Suspicion], status: dict[str, di
     """Predicates, demonstrations with labels, explanations and pictures. ``status`` is by the model's name."""
     album = Album(contents.folder, contents.blobs)
     shown = contents.shown
-    predicates = (*sorted(shown.initial), *sorted(c.predicate for c in shown.pool))
+    chosen = {name for name, entry in status.items() if entry["status"] == "selected"}
+    pool = sorted((c.predicate for c in shown.pool), key=lambda p: (p.name not in chosen, p))
+    predicates = (*(p for p in pool if p.name in chosen), *sorted(shown.initial), *pool[len(chosen) :])
     numbers = {p: i for i, p in enumerate(predicates)}
     said = {demo.name: demo for demo in contents.said.demos}
     evidence = {demo.name: demo for demo in contents.evidence.demos}
     demos = []
     for demo in shown.demos:
         known = evidence.get(demo.name)
+        descriptors = known.descriptors if known else {}
         order = sorted(range(len(demo.atoms)), key=lambda i: (numbers[demo.atoms[i].predicate], demo.atoms[i]))
         labels = {demo.atoms[i]: _row(demo, i) for i in order}
         original = {a: _row(said[demo.name], i) for i, a in enumerate(said[demo.name].atoms)}
@@ -36,9 +39,7 @@ def tables(contents: Contents, suspicions: list[Suspicion], status: dict[str, di
         demos.append(
             {
                 "name": demo.name,
-                "objects": [
-                    [o.name, o.type.name, (known.descriptors if known else {}).get(o.name, "")] for o in objects
-                ],
+                "objects": [[o.name, o.type.name, descriptors.get(o.name, "")] for o in objects],
                 "goal": [str(a) for a in demo.goal],
                 "actions": [{"text": str(a), "objects": [index[o] for o in a.objects]} for a in demo.actions],
                 "atoms": [[numbers[a.predicate], *(index[o] for o in a.objects)] for a in atoms],
@@ -51,7 +52,7 @@ def tables(contents: Contents, suspicions: list[Suspicion], status: dict[str, di
                             "camera": p.camera,
                             "picture": album.number(p.digest),
                             "size": p.size,
-                            "boxes": {name: box for name, box in p.boxes.items()},
+                            "boxes": p.boxes,
                             "crop": p.crop,
                         }
                         for p in pictures

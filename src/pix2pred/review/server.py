@@ -100,12 +100,15 @@ class _Handler(BaseHTTPRequestHandler):
         site = self.headers.get("Sec-Fetch-Site", "same-origin")
         host = self.headers.get_all("Host") or []
         if len(host) != 1 or host[0] not in hosts:
-            return self._refuse(HTTPStatus.FORBIDDEN, "this server answers to the address it printed alone")
+            self._refuse(HTTPStatus.FORBIDDEN, "this server answers to the address it printed alone")
+            return None
         if (origin is not None and origin != f"http://{host[0]}") or site not in ("same-origin", "none"):
-            return self._refuse(HTTPStatus.FORBIDDEN, "requests from other sites are refused")
+            self._refuse(HTTPStatus.FORBIDDEN, "requests from other sites are refused")
+            return None
         token, _, name = self.path.removeprefix("/").partition("/")
         if not hmac.compare_digest(token.encode(), self.server.token.encode()):
-            return self._refuse(HTTPStatus.FORBIDDEN, "the address lacks the token that the program printed")
+            self._refuse(HTTPStatus.FORBIDDEN, "the address lacks the token that the program printed")
+            return None
         return name
 
     def _body(self) -> Any:

@@ -92,8 +92,9 @@ function cellInto(td, d, row, t) {
 function body(d) {
   const demo = data.demos[d], tbody = el("tbody");
   let predicate = -1, columns = demo.actions.length + 1;
+  const constant = $("constant").checked;
   demo.atoms.forEach(([p], row) => {
-    if (!wanted(data.predicates[p])) return;
+    if (!wanted(data.predicates[p]) || !(constant || /[1?]/.test(demo.labels[row] + (demo.said[row] || "")))) return;
     if (p !== predicate) {
       predicate = p;
       const entry = data.predicates[p], title = el("span", {}, page.predicateName(p),
@@ -231,7 +232,7 @@ page.goto = (d, t, row) => {
   const details = $(`d${d}`);
   details.open = true;
   if (!page.tables.has(d)) draw(d);
-  if (row !== undefined && !page.cell(d, row, t)) { $("search").value = ""; $("filter").value = wantsAll(d, row); page.redraw(); }
+  if (row !== undefined && !page.cell(d, row, t)) { $("search").value = ""; $("filter").value = wantsAll(d, row); $("constant").checked ||= !/[1?]/.test(data.demos[d].labels[row]); page.redraw(); }
   details.scrollIntoView({ block: "start" });
   const td = row === undefined ? null : page.cell(d, row, t);
   if (td) { td.focus({ preventScroll: true }); reveal(td); }
@@ -253,6 +254,7 @@ document.addEventListener("click", (e) => {
 });
 let timer = 0;
 $("filter").addEventListener("change", page.redraw);
+$("constant").addEventListener("change", page.redraw);
 $("search").addEventListener("input", () => { clearTimeout(timer); timer = setTimeout(page.redraw, 120); });
 for (const node of document.querySelectorAll("svg .node")) {
   const light = (on) => () => { for (const l of document.querySelectorAll(".link")) l.classList.toggle("lit", on && (l.dataset.source === node.dataset.node || l.dataset.target === node.dataset.node)); };

@@ -165,6 +165,13 @@ for (const button of document.querySelectorAll("button.accept")) {
     button.textContent = "Accepted"; button.disabled = true;
   });
 }
+for (const button of document.querySelectorAll("button.pin")) {
+  button.addEventListener("click", () => {
+    const p = data.predicates.findIndex((q) => q.name === button.dataset.predicate);
+    stand(p, data.corrections.standing[button.dataset.predicate] || "free", "pinned");
+    button.disabled = true;
+  });
+}
 $("learn").addEventListener("click", () => { $("learn").disabled = true; $("learning").className = "status"; $("learning").textContent = "starting"; sending = sending.then(() => ask("learn", {})).catch(fail); });
 
 const kept = sessionStorage.getItem("pix2pred");
