@@ -3,11 +3,12 @@
     python benchmarks/correcting.py --out runs/correcting
 
 Labels of the candidates are flipped and the published learner learns from them. In the first draws in which it then
-solves less than half of the test tasks, the fixes that ``advise`` suggests first are made all at once, without learning
-in between: "labels" puts in the true values of the first labels it names; "suggested" pins the predicates it names and
-puts in the true values of the labels after that, so many less. A suggestion whose label was right is a fix without
-effect. For comparison, "random" puts right as many labels drawn from all wrong ones. Plans are made from true labels
-and executed in the simulator. OUT/rows.jsonl has a line per draw; rows that are already there are not computed again.
+solves less than half of the test tasks, the true values of the first labels that ``advise`` names are put in, all of
+them at once, without learning in between; a suggestion whose label was right is a fix without effect. For comparison,
+as many labels are put right that are drawn at random from all wrong ones. Plans are made from true labels, with few
+search nodes, and executed in the simulator.
+
+OUT/rows.jsonl has a line per draw; rows that are already there are not computed again.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from noise import domain, solved
 from pix2pred.learning import LearningSettings, hill_climbing
 from pix2pred.learning.advice import advise, with_labels
 from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio
-from pix2pred.structs import Atom, Predicate, TruthTable
+from pix2pred.structs import Atom, TruthTable
 
 Cell = tuple[str, Atom, int]
 """(demonstration, atom, state)."""
@@ -46,33 +47,20 @@ def run(family: str, rate: float, draw: int, candidates: int, fixes: int, tasks:
     start = time.process_time()
     advice = advise(table, settings)
     suggested = [(a.demo, a.atom, a.doubt.state) for a in advice.labels]
-    pinned = advice.predicates[:fixes]
     row["advice_seconds"] = round(time.process_time() - start, 2)
     row["suggested_wrong"] = sum(cell in wrong for cell in suggested[:fixes])
     row["wrong"] = len(wrong)
     order = sorted(wrong)
     drawn = [order[i] for i in np.random.default_rng([draw, 8]).permutation(len(order))[:fixes]]
-    made: dict[str, tuple[Sequence[Cell], Sequence[Predicate]]] = {
-        "suggested": (suggested[: fixes - len(pinned)], pinned),
-        "labels": (suggested[:fixes], ()),
-        "random": (drawn, ()),
-    }
-    for name, (cells, pins) in made.items():
-        row[name] = score(source, put_right(table, source.table, cells), settings, draw, tasks, pins)
+    for name, cells in (("suggested", suggested[:fixes]), ("random", drawn)):
+        row[name] = score(source, put_right(table, source.table, cells), settings, draw, tasks)
     return row
 
 
-def score(
-    source: Workload,
-    table: TruthTable,
-    settings: LearningSettings,
-    draw: int,
-    tasks: int,
-    pinned: Sequence[Predicate] = (),
-) -> dict[str, Any]:
+def score(source: Workload, table: TruthTable, settings: LearningSettings, draw: int, tasks: int) -> dict[str, Any]:
     """Learn from ``table`` and solve tasks."""
     planner = Planner(Portfolio((AStar(max_nodes=500), GreedyBestFirst(max_nodes=4_000))))
-    selection = hill_climbing(table, settings, pinned).run()
+    selection = hill_climbing(table, settings).run()
     return {
         "solved": solved(source.family, selection, source.meaning, draw, tasks, planner),
         "selected": [p.name for p in selection.selected],
@@ -103,11 +91,8 @@ def put_right(table: TruthTable, true: TruthTable, cells: Sequence[Cell]) -> Tru
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> str:
     """A table of the draws that were corrected, and the medians."""
-    lines = [
-        "| draw | before | suggested fixes | suggested labels alone | random fixes | suggested labels that were wrong |"
-    ]
-    lines.append("|---" * 6 + "|")
-    shares: dict[str, list[float]] = {"before": [], "suggested": [], "labels": [], "random": []}
+    lines = ["| draw | before | suggested fixes | random fixes | suggestions that were errors |", "|---" * 5 + "|"]
+    shares: dict[str, list[float]] = {"before": [], "suggested": [], "random": []}
     for row in rows:
         if "suggested" not in row:
             continue
