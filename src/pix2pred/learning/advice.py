@@ -2,7 +2,8 @@
 
 The learner that allows for wrong labels names the predicates the world model should have; of candidates that it takes
 for synonyms, the one with the fewest doubted labels stands for all, as it is the least work to put right. The doubted
-labels of these predicates are then ordered greedily: next comes the one whose likely value lowers J most.
+labels of these predicates are then ordered greedily: next comes the one whose likely value brings J and the operators
+of the published learner closest to those of the probable model.
 """
 
 from __future__ import annotations
@@ -10,26 +11,26 @@ from __future__ import annotations
 import heapq
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, log
 from typing import Any
 
 import numpy as np
 
 from pix2pred.learning.doubts import Doubt, Timeline, doubted
-from pix2pred.learning.engines import hill_climbing
+from pix2pred.learning.engines import hill_climbing, learn_operators
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, Atom, LabelledDemo, Predicate, TruthTable
+from pix2pred.structs import FALSE, TRUE, UNKNOWN, Atom, LabelledDemo, Operator, Predicate, TruthTable
 
 MOST_CONSIDERED = 40
-"""Labels of which is computed what they do to J."""
+"""Labels of which is computed what they do to operators and J."""
 
 MOST_ORDERED = 12
-"""Labels ordered by what they do to J; the rest follow by how probably they are wrong."""
+"""Labels ordered by what they do to operators and J; the rest follow by how probably they are wrong."""
 
 
 @dataclass(frozen=True, slots=True)
 class LabelAdvice:
-    """A label to check. ``gain`` is by how much its likely value lowers J of the probable model, all before it set."""
+    """A label to check. ``gain`` is how much closer to the probable model its likely value brings, all before set."""
 
     demo: str
     atom: Atom
@@ -101,13 +102,15 @@ def _ordered(
     """Greedily by expected gain; a label's gain is computed again only when it might be the best (lazy greedy)."""
     by_doubt = sorted(labels, key=lambda x: (-round(x[1].wrong, 6), x[0].demo, x[0].atom, x[1].state))
     considered, later = by_doubt[:MOST_CONSIDERED], by_doubt[MOST_CONSIDERED:]
-    current = _j(table, settings)
+    likely = with_labels(table, {(t.demo, t.atom, d.state): d.likely for t, d in labels})
+    target = _operators(likely, settings)
+    current = _distance(table, settings, target)
     queue = [(-inf, -1, i) for i in range(len(considered))]
     advice: list[LabelAdvice] = []
     while queue and len(advice) < MOST_ORDERED:
         _, _, i = heapq.heappop(queue)
         timeline, doubt = considered[i]
-        gain = current - _j(_with(table, timeline, doubt), settings)
+        gain = current - _distance(_with(table, timeline, doubt), settings, target)
         entry = (-round(gain * doubt.wrong, 4), len(advice), i)
         if queue and entry > queue[0]:
             heapq.heappush(queue, entry)
@@ -119,10 +122,16 @@ def _ordered(
     return advice + [LabelAdvice(t.demo, t.atom, d, 0.0) for t, d in (*rest, *later)]
 
 
-def _j(table: TruthTable, settings: LearningSettings) -> float:
-    """J of the set of all candidates that are ever true."""
+def _distance(table: TruthTable, settings: LearningSettings, target: frozenset[Operator]) -> float:
+    """How far learning is from the probable model: log J with all candidates, and operators that differ."""
     climb = hill_climbing(table, settings)
-    return round(climb.score([c.predicate for c in table.candidates()]).total, 4)
+    j = climb.score([c.predicate for c in table.candidates()]).total
+    return round(log(max(j, 1.0)) + len(_operators(table, settings) ^ target), 4)
+
+
+def _operators(table: TruthTable, settings: LearningSettings) -> frozenset[Operator]:
+    """The operators over all candidates, without their numbers and support."""
+    return frozenset(replace(op, name="", support=0) for op in learn_operators(table, settings))
 
 
 def _with(table: TruthTable, timeline: Timeline, doubt: Doubt) -> TruthTable:
