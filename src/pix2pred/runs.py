@@ -220,7 +220,14 @@ def episode_doc(episode: Episode) -> Mapping[str, Any]:
         "detail": episode.detail,
         "plan": list(episode.plan),
         "steps": [
-            {"action": s.action, "operator": s.operator, "status": s.status, "detail": s.detail} for s in episode.steps
+            {
+                "action": s.action,
+                "operator": s.operator,
+                "status": s.status,
+                "detail": s.detail,
+                "observed": None if s.observed is None else list(s.observed),
+            }
+            for s in episode.steps
         ],
         "true_visual_labels": [str(a) for a in episode.labels],
         "label_errors": list(episode.label_errors),

@@ -106,8 +106,8 @@ def test_hostile_texts_stay_texts(run: RunFolder) -> None:
 def test_corrections_reach_learning_and_the_report_shows_before_and_after(tmp_path: Path) -> None:
     run = learn_lamps(tmp_path)
     before = (run.path / "labels/as_said.json").read_bytes()
-    when = {"when": "2026-01-01T00:00:00Z"}
-    rows = [
+    when: dict[str, object] = {"when": "2026-01-01T00:00:00Z"}
+    rows: list[dict[str, object]] = [
         {"kind": "label", "demo": "d0", "state": 0, "atom": ["bright0", "l1"], "old": "false", "new": "true"},
         {"kind": "rename", "predicate": "lit0", "old": "lit0", "new": "<script>shines</script>"},
         {"kind": "standing", "predicate": "lit0", "old": "free", "new": "pinned"},

@@ -49,12 +49,16 @@ class Failure(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ExecutedStep:
-    """One skill of an episode: what was run and how it ended."""
+    """One skill of an episode: what was run and how it ended.
+
+    ``observed`` are the changes seen afterwards, ``+`` for what became true; None where nobody looked.
+    """
 
     action: str
     operator: str
     status: str
     detail: str
+    observed: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
