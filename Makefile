@@ -1,13 +1,15 @@
 # make demo   learn a burger world model from pictures and solve unseen tasks (no key, no network beyond installing)
 # make test   run the tests            make check   ruff and mypy --strict
 # make test-all   install every extra and run the tests that need one; none may be skipped
+# make bench-smoke   a cut of the published comparison, as a table (make test-all runs it too)
 # Every target sets up .venv by itself. PYTHON=python3.12 make demo   uses another interpreter.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+TORCH ?= torch==2.13.0
 
-.PHONY: demo test test-all check clean
+.PHONY: demo test test-all bench-smoke check clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/run.stamp: pyproject.toml
@@ -22,7 +24,7 @@ $(VENV)/dev.stamp: $(VENV)/run.stamp
 	@touch $@
 
 $(VENV)/all.stamp: $(VENV)/dev.stamp
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,all]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check '$(TORCH)' -e '.[dev,all]'
 	@touch $@
 
 demo: $(VENV)/run.stamp
@@ -33,6 +35,11 @@ test: $(VENV)/dev.stamp
 
 test-all: $(VENV)/all.stamp
 	PIX2PRED_NO_SKIPS=1 $(BIN)/python -m pytest -m extra
+	$(MAKE) bench-smoke
+
+bench-smoke: $(VENV)/run.stamp
+	$(BIN)/pix2pred bench run smoke --jobs 2
+	$(BIN)/pix2pred bench report runs/bench-smoke
 
 check: $(VENV)/dev.stamp
 	$(BIN)/ruff check

@@ -24,7 +24,7 @@ from typing import Any
 
 from joblib import Parallel, delayed
 
-from pix2pred.learning import HillClimbing, LearningSettings, learn_operators, skeleton_search, tie_rule
+from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
 from pix2pred.structs import Operator
 from symbolic.problems import CATALOGUE, TESTS
 from symbolic.score import MAX_SECONDS, Score, score_model
@@ -68,8 +68,7 @@ def run(job: Job) -> Outcome:
     if job.told:
         selected, operators = workload.hidden, learn_operators(workload.told(), job.settings)
     else:
-        climb = HillClimbing(workload.table, job.settings, skeleton_search(job.settings), tie_rule(job.settings))
-        selection = climb.run()
+        selection = hill_climbing(workload.table, job.settings).run()
         selected, operators = tuple(p.name for p in selection.selected), selection.operators
     seconds = time.process_time() - start
     score = score_model(workload, selected, operators, job.max_seconds)

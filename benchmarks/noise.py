@@ -18,12 +18,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from joblib import Parallel, delayed
 
 from burger_pool import NEEDED, true_state, workload, wrong_labels
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.world import World
 from pix2pred.execution.episode import open_loop
+from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
 from pix2pred.planning import TaskPlanner
 from pix2pred.registry import load_planner
@@ -73,7 +75,7 @@ def solved(
         if found.status == PlanStatus.SOLVED and len(found.plan) <= 200:
             environment = domain().environment(item.task, item.simulator)
             environment.reset()
-            total += open_loop(found.plan, environment).goal_reached
+            total += open_loop(found.plan, environment, Parameters({}, np.random.default_rng(0))).goal_reached
     return total
 
 
@@ -109,6 +111,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/noise"))
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
+    from noise import run as once  # by name of the module, so that workers import it
+
     jobs = [
         (f, e, r, d, learner, arguments.candidates, arguments.tasks)
         for f in arguments.families for e in arguments.errors for r in arguments.rates
@@ -116,7 +120,7 @@ def main() -> None:
     ]  # fmt: skip
     rows = []
     with (arguments.out / "rows.jsonl").open("w") as stream:
-        for row in Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(run)(*job) for job in jobs):
+        for row in Parallel(n_jobs=arguments.jobs, return_as="generator")(delayed(once)(*job) for job in jobs):
             stream.write(json.dumps(row) + "\n")
             stream.flush()
             rows.append(row)

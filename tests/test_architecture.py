@@ -15,6 +15,7 @@ import pix2pred
 ROOT = Path(pix2pred.__file__).parent
 MAY_IMPORT: dict[str, set[str]] = {
     "structs": set(),
+    "parallel": set(),
     "images": {"structs"},
     "planning": {"structs"},
     "vlm": {"structs"},
@@ -25,14 +26,21 @@ MAY_IMPORT: dict[str, set[str]] = {
     "execution": {"structs", "images", "planning", "vlm", "demos", "predicates"},
 }
 LOWER = set(MAY_IMPORT) - {"domains"}
+ABOVE_THE_PIPELINE = LOWER | {"pipeline", "run_folder", "approach"}
 MAY_IMPORT |= {
     "pipeline": LOWER,
     "run_folder": {"structs"},
-    "runs": LOWER | {"pipeline", "run_folder"},
+    "film": {"structs"},
+    "runs": LOWER | {"pipeline", "run_folder", "film"},
     "report": LOWER | {"pipeline", "run_folder", "runs"},
     "review": LOWER | {"pipeline", "run_folder", "runs", "report"},
-    "registry": LOWER | {"pipeline", "domains"},
-    "cli": LOWER | {"pipeline", "run_folder", "runs", "registry", "cli", "report", "review"},
+    "gym_envs": {"structs", "registry"},
+    "approach": LOWER | {"pipeline"},
+    "baselines": ABOVE_THE_PIPELINE,
+    "benchmark": ABOVE_THE_PIPELINE,
+    "registry": LOWER | {"pipeline", "approach", "domains"},
+    "cli": ABOVE_THE_PIPELINE
+    | {"runs", "film", "registry", "report", "review", "benchmark", "baselines", "parallel", "cli"},
 }
 
 

@@ -4,6 +4,9 @@
 
 Writes ``weights.npz`` and ``card.json`` into the domain's ``reader/`` folder. The scenes come from seeds used for
 nothing else: 7001 for training, 7002 for the card's accuracies (tests use 7003).
+
+A domain brings three modules: ``random_worlds`` (``random_worlds(seed, looks, per_look)``), ``render``
+(``render(world)``) and ``truth`` (``concept_value(world, concept, names)``). Its worlds have ``types()``.
 """
 
 from __future__ import annotations
@@ -12,9 +15,11 @@ import argparse
 import json
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 import PIL.Image
@@ -25,10 +30,6 @@ from sklearn.decomposition import PCA
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPClassifier
 
-from pix2pred.domains.burger.random_worlds import random_worlds
-from pix2pred.domains.burger.render import render
-from pix2pred.domains.burger.truth import concept_value
-from pix2pred.domains.burger.world import World
 from pix2pred.vlm.pixels import Scene
 from pix2pred.vlm.reader_model import WEIGHTS, Projection, ReaderModel, inputs, load_words
 
@@ -40,6 +41,19 @@ MOST_SAMPLES = 5000
 Signature = tuple[str, ...]
 
 
+class World(Protocol):
+    """What training needs of a domain's world."""
+
+    def types(self) -> Mapping[str, str]:
+        """Type names of all objects by name."""
+        ...
+
+
+def part_of(domain: str, module: str) -> Any:
+    """A module of a domain."""
+    return import_module(f"pix2pred.domains.{domain}.{module}")
+
+
 @dataclass(frozen=True)
 class Case:
     """A concept asked about objects of one world."""
@@ -49,7 +63,8 @@ class Case:
     truth: bool
 
 
-def render_worlds(worlds: Sequence[World]) -> list[Scene]:
+def render_worlds(domain: str, worlds: Sequence[World]) -> list[Scene]:
+    render = part_of(domain, "render").render
     scenes = [Scene(render(world)) for world in worlds]
     for scene in scenes:
         for name in scene.picture.boxes:
@@ -58,15 +73,18 @@ def render_worlds(worlds: Sequence[World]) -> list[Scene]:
     return scenes
 
 
-def read_worlds(seed: int, looks: int, per_look: int, jobs: int) -> tuple[list[World], list[Scene]]:
-    worlds = random_worlds(seed, looks, per_look)
+def read_worlds(domain: str, seed: int, looks: int, per_look: int, jobs: int) -> tuple[list[World], list[Scene]]:
+    worlds = part_of(domain, "random_worlds").random_worlds(seed, looks, per_look)
     chunks = [worlds[i : i + per_look] for i in range(0, len(worlds), per_look)]
-    scenes = Parallel(n_jobs=jobs)(delayed(render_worlds)(chunk) for chunk in chunks)
+    scenes = Parallel(n_jobs=jobs)(delayed(render_worlds)(domain, chunk) for chunk in chunks)
     return worlds, [scene for chunk in scenes for scene in chunk]
 
 
-def cases(worlds: Sequence[World], concept: str, signature: Signature, rng: np.random.Generator) -> list[Case]:
+def cases(
+    domain: str, worlds: Sequence[World], concept: str, signature: Signature, rng: np.random.Generator
+) -> list[Case]:
     """All cases of a concept, at most MOST_SAMPLES / 2 of each truth value."""
+    concept_value = part_of(domain, "truth").concept_value
     found: dict[bool, list[Case]] = {True: [], False: []}
     for w, world in enumerate(worlds):
         by_type: dict[str, list[str]] = {}
@@ -119,39 +137,51 @@ def fit(x: NDArray[np.float32], y: NDArray[np.bool_]) -> dict[str, NDArray[np.fl
     return {key: np.asarray(value, dtype=np.float32) for key, value in arrays.items()}
 
 
-def measure(model: ReaderModel, worlds: Sequence[World], scenes: Sequence[Scene]) -> dict[str, dict[str, float]]:
-    """Balanced accuracy per word over all its signatures; Unknown counts as wrong."""
+def visible(case: Case, scenes: Sequence[Scene]) -> bool:
+    """Whether all objects of a case are seen."""
+    return all(scenes[case.world].crops(name) is not None for name in case.names)
+
+
+def measure(
+    domain: str, model: ReaderModel, worlds: Sequence[World], scenes: Sequence[Scene]
+) -> dict[str, dict[str, float]]:
+    """Per word over all its signatures: balanced accuracy, where Unknown counts as wrong, and the share of Unknown.
+
+    Cases about an object that is not seen are counted apart; the share of them answered Unknown must be all.
+    """
     rng = np.random.default_rng(1)
+    hidden: dict[str, list[bool]] = {}
+    unknown: dict[str, list[bool]] = {}
     right: dict[str, dict[bool, list[int]]] = {}
     for word, signature in model.words.uses():
         if word.concept is None:
             continue
-        for case in cases(worlds, word.concept, signature, rng):
+        for case in cases(domain, worlds, word.concept, signature, rng):
             truth = case.truth != word.negated
             value, _ = model.value(word.word, case.names, signature, scenes[case.world])
+            if not visible(case, scenes):
+                hidden.setdefault(word.word, []).append(value is None)
+                continue
+            unknown.setdefault(word.word, []).append(value is None)
             right.setdefault(word.word, {True: [], False: []})[truth].append(value == truth)
     return {
         word: {
             "balanced_accuracy": round(float(np.mean([np.mean(v) if v else 1.0 for v in by_truth.values()])), 4),
             "true_cases": len(by_truth[True]),
             "false_cases": len(by_truth[False]),
+            "unknown_share": round(float(np.mean(unknown[word])), 4),
+            "hidden_cases": len(hidden.get(word, [])),
+            "hidden_unknown_share": round(float(np.mean(hidden[word])), 4) if word in hidden else 1.0,
         }
         for word, by_truth in sorted(right.items())
     }
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("domain", choices=["burger"])
-    parser.add_argument("--looks", type=int, default=550, help="differently drawn scenes")
-    parser.add_argument("--jobs", type=int, default=2)
-    arguments = parser.parse_args()
-    import pix2pred.domains.burger as package
-
-    directory = Path(package.__file__).parent / "reader"
+def train(domain: str, directory: Path, looks: int, jobs: int) -> int:
+    """Fit the classifiers and write their weights; gives the number of pictures they are trained on."""
     words = load_words(directory)
     start = time.perf_counter()
-    worlds, scenes = read_worlds(TRAINING_SEED, arguments.looks, 5, arguments.jobs)
+    worlds, scenes = read_worlds(domain, TRAINING_SEED, looks, 5, jobs)
     print(f"{len(worlds)} pictures rendered in {time.perf_counter() - start:.0f} s", flush=True)
     projections = fit_projections(scenes, worlds)
     print(f"projections fitted, {time.perf_counter() - start:.0f} s", flush=True)
@@ -159,11 +189,11 @@ def main() -> None:
     keys = sorted({(w.concept, types) for w, types in words.uses() if w.concept is not None})
     samples = []
     for concept, signature in keys:
-        chosen = cases(worlds, concept, signature, rng)
+        chosen = [c for c in cases(domain, worlds, concept, signature, rng) if visible(c, scenes)]
         x = np.stack([inputs(scenes[c.world], projections, c.names, signature) for c in chosen])
         samples.append((x, np.array([c.truth for c in chosen])))
     print(f"{sum(len(y) for _, y in samples)} samples, {time.perf_counter() - start:.0f} s", flush=True)
-    fitted = Parallel(n_jobs=arguments.jobs)(delayed(fit)(x, y) for x, y in samples)
+    fitted = Parallel(n_jobs=jobs)(delayed(fit)(x, y) for x, y in samples)
     arrays: dict[str, NDArray[np.generic]] = {}
     for type_name, p in projections.items():
         arrays[f"projection|{type_name}|mean"] = p.mean.astype(np.float16)
@@ -172,15 +202,33 @@ def main() -> None:
         for part, array in parts.items():
             arrays["|".join(("classifier", concept, *signature, part))] = array
     np.savez_compressed(directory / WEIGHTS, **arrays)  # type: ignore[arg-type]
+    return len(worlds)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("domain", choices=["burger", "coffee", "kitchen"])
+    parser.add_argument("--looks", type=int, default=550, help="differently drawn scenes")
+    parser.add_argument("--card-looks", type=int, default=60, help="differently drawn scenes for the card")
+    parser.add_argument("--card-only", action="store_true", help="measure the weights that are there")
+    parser.add_argument("--jobs", type=int, default=2)
+    arguments = parser.parse_args()
+    domain = str(arguments.domain)
+    directory = Path(str(part_of(domain, "truth").__file__)).parent / "reader"
+    start = time.perf_counter()
+    if arguments.card_only:
+        pictures = json.loads((directory / "card.json").read_text())["training_pictures"]
+    else:
+        pictures = train(domain, directory, arguments.looks, arguments.jobs)
     model = ReaderModel.load(directory)
     card = {
         "what": "balanced accuracy per word on renders from seed 7002; Unknown counts as wrong",
         "digest": model.digest,
-        "training_pictures": len(worlds),
-        "words": measure(model, *read_worlds(CARD_SEED, 60, 4, arguments.jobs)),
+        "training_pictures": pictures,
+        "words": measure(domain, model, *read_worlds(domain, CARD_SEED, arguments.card_looks, 4, arguments.jobs)),
     }
     (directory / "card.json").write_text(json.dumps(card, indent=1) + "\n")
-    worst = sorted((w["balanced_accuracy"], name) for name, w in card["words"].items())[:12]  # type: ignore[attr-defined]
+    worst = sorted((w["balanced_accuracy"], name) for name, w in card["words"].items())[:12]
     print(f"done in {time.perf_counter() - start:.0f} s; lowest: {worst}")
 
 

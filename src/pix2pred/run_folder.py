@@ -10,7 +10,7 @@
     labels/doubts.json           labels that are probably wrong, the most useful to check first
     selection.json               the climb, step by step
     history/<n>.json             the same as it was with the first n corrections
-    model/                       world_model.json, domain.pddl
+    model/                       world_model.json, domain.pddl, samplers.npz (for skills with continuous parameters)
     metrics.json, timings.json   counts; seconds and queries
     solve/<name>/<task>.json     one file per episode
     report.html                  all of it to look at, made anew after every command; previews/ are its pictures
@@ -87,8 +87,12 @@ class RunFolder:
 
     def write(self, name: str, text: str) -> Path:
         """Write a text file, which appears complete or not at all."""
+        return self.write_bytes(name, text.encode())
+
+    def write_bytes(self, name: str, content: bytes) -> Path:
+        """Write a file, which appears complete or not at all."""
         path = self.path / name
-        write_whole(path, text.encode())
+        write_whole(path, content)
         return path
 
     def write_json(self, name: str, data: Any) -> Path:

@@ -6,11 +6,13 @@ import json
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from pix2pred.execution import Solver, TruthOf
+from pix2pred.film import Film, FilmedEpisode
 from pix2pred.learning import advice_document, advise, dump_traces, load_traces, selection_document
+from pix2pred.learning.samplers_file import dump_samplers, load_samplers
 from pix2pred.pipeline import Learned, Progress, Selected, Settings, learn, select
 from pix2pred.planning.pddl_write import write_domain
 from pix2pred.predicates import (
@@ -25,18 +27,32 @@ from pix2pred.predicates import (
     load_corrections,
 )
 from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.structs import UNKNOWN, Demo, Episode, Failure, Vocabulary
+from pix2pred.structs import (
+    UNKNOWN,
+    Demo,
+    Episode,
+    ExecutedStep,
+    Failure,
+    FromVLM,
+    LiftedAtom,
+    Operator,
+    Vocabulary,
+    WorldModel,
+)
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.structs.model_file import dump_model, load_model
+from pix2pred.structs.samplers import Sampler
 from pix2pred.vlm import CountingVLM
 
 MODEL = "model/world_model.json"
+SAMPLERS = "model/samplers.npz"
 AS_SAID = "labels/as_said.json"
 """The truth table as the model gave it; ``labels/traces.json`` is what is left of it after corrections."""
 ADVICE = "labels/doubts.json"
 """Labels that are probably wrong, the most useful to check first."""
 HISTORY = "history"
 """Selections by the number of corrections they were made with."""
+_SHOWN_GAPS = 5
 
 
 def learn_into(
@@ -52,16 +68,17 @@ def learn_into(
     Corrections that the folder holds are applied to what the model said.
     """
     corrections = load_corrections(run.path / CORRECTIONS)
-    stages = _Stages(progress)
+    stages = _Stages(progress, vlm)
     try:
-        learned = learn(vocabulary, demos, vlm, settings, stages, corrections)
+        learned = learn(vocabulary, demos, vlm, settings, stages, corrections=corrections)
     except EmptyProposalError as error:
         run.write_json("proposals.json", [_proposal_doc(p) for p in error.proposals])
         raise
-    table = learned.labelling.table
+    table, gaps = learned.labelling.table, learned.labelling.gaps
     run.write_json("proposals.json", [_proposal_doc(p) for p in learned.proposals])
     run.write(AS_SAID, dump_traces(vocabulary, table, settings.learning.model_dump()))
     run.write(EVIDENCE, dump_evidence(demos, learned.labelling))
+    run.write_json("labels/gaps.json", [asdict(gap) for gap in gaps])
     metrics = {
         "labels_from": vlm.name,
         "demonstrations": len(demos),
@@ -70,12 +87,18 @@ def learn_into(
         "rejected": sum(len(p.rejected) for p in learned.proposals),
         "label_problems": dict(sorted((k, v) for k, v in learned.labelling.counts.items() if v and k != READ)),
         "labels": sum(d.values.size for d in table.demos),
+        "labels_without_answer": sum(len(gap.atoms) for gap in gaps),
+        "missing_answers": _gap_warnings(learned),
     }
-    stages("doubt", 0, 1, "")
-    metrics |= _write_selected(run, vocabulary, learned.selected, settings, corrections)
-    stages("doubt", 1, 1, "")
-    run.write_json("metrics.json", metrics)
-    run.write_json("timings.json", stages.timings() | {"queries": vlm.usage.as_dict()})
+    if learned.samplers:
+        metrics["samplers"] = {}
+    metrics = _write_selected(run, learned.selected, learned.samplers, settings, corrections, metrics, stages)
+    timings = {
+        "queries": vlm.usage.as_dict(),
+        "demonstrations": vlm.usage.demos_dict(),
+        "flow": settings.flow.model_dump(),
+    }
+    run.write_json("timings.json", stages.timings() | timings)
     return learned, metrics | {"seconds": stages.seconds()}
 
 
@@ -97,54 +120,105 @@ def relearn(run: RunFolder, progress: Progress) -> tuple[Selected, dict[str, Any
     except (KeyError, ValueError) as error:
         raise RunFolderError(f"{run.path}: is damaged ({type(error).__name__}: {error})") from error
     model = load_model(run.path / MODEL)
+    samplers = load_samplers(run.path / SAMPLERS) if (run.path / SAMPLERS).exists() else {}
     corrections = load_corrections(run.path / CORRECTIONS)
     table = load_traces(run.path / AS_SAID).table
     stages = _Stages(progress)
     selected = select(model.vocabulary, table, settings.learning, model.labels_from, corrections, stages)
-    stages("doubt", 0, 1, "")
-    metrics |= _write_selected(run, model.vocabulary, selected, settings, corrections)
-    stages("doubt", 1, 1, "")
-    run.write_json("metrics.json", metrics)
-    return selected, metrics | {"seconds": stages.seconds()}
+    kept = _kept_samplers(model, samplers, selected.model)
+    return selected, _write_selected(run, selected, kept, settings, corrections, metrics, stages) | {
+        "seconds": stages.seconds()
+    }
 
 
 def _write_selected(
-    run: RunFolder, vocabulary: Vocabulary, selected: Selected, settings: Settings, corrections: Corrections
+    run: RunFolder,
+    selected: Selected,
+    samplers: Mapping[str, Sampler],
+    settings: Settings,
+    corrections: Corrections,
+    metrics: Mapping[str, Any],
+    stages: _Stages,
 ) -> dict[str, Any]:
-    """Write what selection gave, and remember it among the results before; gives its part of the summary."""
-    table, selection = selected.table, selected.selection
+    """Write what selection gave, and remember it among the results before; gives ``metrics`` brought up to date."""
+    stages("doubt", 0, 1, "")
+    model, table, selection = selected.model, selected.table, selected.selection
     document = selection_document(selection, settings.learning)
-    run.write("labels/traces.json", dump_traces(vocabulary, table, settings.learning.model_dump()))
+    run.write("labels/traces.json", dump_traces(model.vocabulary, table, settings.learning.model_dump()))
     run.write_json("selection.json", document)
-    run.write(MODEL, dump_model(selected.model))
-    run.write("model/domain.pddl", write_domain(selected.model))
+    (run.path / SAMPLERS).unlink(missing_ok=True)  # samplers never lie beside a model they were not learned for
+    run.write(MODEL, dump_model(model))
+    run.write("model/domain.pddl", write_domain(model))
+    if samplers:
+        run.write_bytes(SAMPLERS, dump_samplers(samplers))
     version = {"version": 1, "corrections": corrections.count}
     run.write_json(f"{HISTORY}/{corrections.count:05d}.json", version | document)
     advice = advise(table, settings.learning, selection.pinned, selection.selected)
     run.write_json(ADVICE, advice_document(advice))
-    return {
+    warnings = [*goal_warnings(table.demos), *metrics.get("missing_answers", ())]
+    lacking = [op.name for op in model.operators if op.skill.dimension and op.name not in samplers]
+    if lacking and "samplers" in metrics:
+        warnings.append(
+            f"{', '.join(lacking)}: no sampler fits, so parameters are drawn uniformly; samplers need the pictures' "
+            "features: run 'pix2pred learn DATA --out RUN' again, which asks nothing that was answered"
+        )
+    updated = dict(metrics) | {
         "corrections": corrections.count,
         "candidates": len(table.candidates()),
         "unknown_labels": table.count(UNKNOWN),
-        "warnings": goal_warnings(table.demos),
+        "warnings": warnings,
         "selected": [p.name for p in selection.selected],
         "operators": len(selection.operators),
         "J": [round(step.j, 4) for step in selection.steps],
         "budget_hits": selection.budget_hits,
     }
+    if "samplers" in metrics:
+        updated["samplers"] = {name: sampler.name for name, sampler in samplers.items()}
+    stages("doubt", 1, 1, "")
+    run.write_json("metrics.json", updated)
+    return updated
+
+
+def _kept_samplers(before: WorldModel, samplers: Mapping[str, Sampler], after: WorldModel) -> dict[str, Sampler]:
+    """The samplers of operators that are in both models, whatever they and their predicates are called."""
+    known = {_nameless(op): samplers[op.name] for op in before.operators if op.name in samplers}
+    return {op.name: known[_nameless(op)] for op in after.operators if _nameless(op) in known}
+
+
+def _nameless(operator: Operator) -> Operator:
+    def atoms(lifted: frozenset[LiftedAtom]) -> frozenset[LiftedAtom]:
+        return frozenset(
+            replace(a, predicate=replace(a.predicate, name="")) if isinstance(a.predicate.source, FromVLM) else a
+            for a in lifted
+        )
+
+    return replace(
+        operator,
+        name="",
+        preconditions=atoms(operator.preconditions),
+        add=atoms(operator.add),
+        delete=atoms(operator.delete),
+        support=0,
+    )
 
 
 class _Stages:
-    """Passes progress on and measures how long each stage takes."""
+    """Passes progress on, with what was asked of ``vlm``, and measures how long each stage takes."""
 
-    def __init__(self, progress: Progress) -> None:
+    def __init__(self, progress: Progress, vlm: CountingVLM | None = None) -> None:
         self._progress = progress
+        self._vlm = vlm
         self._start = time.perf_counter()
         self._begun: dict[str, float] = {}
+        self._latest = ("propose", 0, 1)
+        if vlm is not None:
+            vlm.on_answer = lambda: progress(*self._latest, vlm.usage.line())
 
     def __call__(self, stage: str, done: int, total: int, text: str) -> None:
         self._begun.setdefault(stage, time.perf_counter())
-        self._progress(stage, done, total, text)
+        self._latest = (stage, done, total)
+        asks = stage in ("propose", "label")
+        self._progress(stage, done, total, self._vlm.usage.line() if self._vlm and asks else text)
 
     def seconds(self) -> float:
         return round(time.perf_counter() - self._start, 3)
@@ -160,11 +234,22 @@ class _Stages:
         }
 
 
+def _gap_warnings(learned: Learned) -> list[str]:
+    """One line per demonstration without a whole proposal, and per state and reason for which labels are missing."""
+    lines = [f"{p.demo}: proposal: {p.problem}" for p in learned.proposals if p.problem]
+    gaps = learned.labelling.gaps
+    lines += [f"{g.about}: {g.purpose}: no value for {len(g.atoms)} atoms ({g.reason})" for g in gaps[:_SHOWN_GAPS]]
+    if len(gaps) > _SHOWN_GAPS:
+        lines.append(f"and {len(gaps) - _SHOWN_GAPS} more such gaps; all are in labels/gaps.json")
+    return lines
+
+
 def _proposal_doc(proposal: Proposal) -> dict[str, Any]:
     return {
         "demo": proposal.demo,
         "accepted": [f"{a.name}({', '.join(o.name for o in a.objects)})" for a in proposal.accepted],
         "rejected": [{"text": r.text, "reason": r.reason} for r in proposal.rejected],
+        **({"problem": proposal.problem} if proposal.problem else {}),
     }
 
 
@@ -196,13 +281,19 @@ def solve_into(
     solver: Solver,
     environment_for: EnvironmentFor,
     progress: Callable[[int, int, str], None],
+    film: Film | None = None,
 ) -> Solved:
-    """Try every task once and write a file per episode, as soon as it ends."""
+    """Try every task once and write a file per episode, as soon as it ends; ``film`` records them all."""
     episodes = []
     for i, stored in enumerate(tasks):
         progress(i, len(tasks), stored.task.name)
         environment, truth = environment_for(stored)
-        episode = solver.solve(stored.task, environment, truth)
+        if film is None:
+            episode = solver.solve(stored.task, environment, truth)
+        else:
+            filmed = FilmedEpisode(environment, film, stored.task.name)
+            episode = solver.solve(stored.task, filmed, truth, filmed.announce)
+            filmed.conclude(["goal reached"] if episode.solved else [f"failed: {episode.failure}", episode.detail])
         run.write_json(f"solve/{name}/{stored.task.name}.json", episode_doc(episode))
         episodes.append(episode)
     progress(len(tasks), len(tasks), "")
@@ -219,18 +310,20 @@ def episode_doc(episode: Episode) -> Mapping[str, Any]:
         "failure": episode.failure.value if episode.failure else None,
         "detail": episode.detail,
         "plan": list(episode.plan),
-        "steps": [
-            {
-                "action": s.action,
-                "operator": s.operator,
-                "status": s.status,
-                "detail": s.detail,
-                "observed": None if s.observed is None else list(s.observed),
-            }
-            for s in episode.steps
-        ],
+        "steps": [_step_doc(step) for step in episode.steps],
         "true_visual_labels": [str(a) for a in episode.labels],
         "label_errors": list(episode.label_errors),
         "nodes": episode.nodes,
         "replans": episode.replans,
     }
+
+
+def _step_doc(step: ExecutedStep) -> dict[str, Any]:
+    doc = {
+        "action": step.action,
+        "operator": step.operator,
+        "status": step.status,
+        "detail": step.detail,
+        "observed": None if step.observed is None else list(step.observed),
+    }
+    return doc | ({"sampler": step.sampler, "rejections": step.rejections} if step.sampler else {})

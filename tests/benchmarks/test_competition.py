@@ -13,7 +13,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from pix2pred.learning import HillClimbing, LearningSettings, load_traces, selection_document, skeleton_search, tie_rule
+from pix2pred.learning import LearningSettings, hill_climbing, load_traces, selection_document
 from pix2pred.structs import TRUE, UNKNOWN
 from symbolic.problems import CATALOGUE, load_domain, to_problem
 from symbolic.score import Verdict, execute, score_document, score_model
@@ -128,7 +128,7 @@ def test_plans_are_judged_by_the_true_domain() -> None:
 def test_a_selection_and_its_file_score_the_same() -> None:
     workload = make_traces("miconic", 0, 0.0)
     settings = LearningSettings()
-    selection = HillClimbing(workload.table, settings, skeleton_search(settings), tie_rule(settings)).run()
+    selection = hill_climbing(workload.table, settings).run()
     direct = score_model(workload, [p.name for p in selection.selected], selection.operators)
     document = json.loads(json.dumps(selection_document(selection, settings)))
     assert score_document(workload, document) == direct

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 
-from pix2pred.vlm import VLM, Answer, Request
+from pix2pred.vlm import VLM, Answer, AnswerStore, Request, StoredVLM, StoreMode
 from pix2pred.vlm.answering import asked_atoms, current_views
 
 DOMAIN = """\
@@ -128,7 +128,23 @@ def use(model: VLM) -> None:
     import pix2pred.cli.solve
 
     for module in (pix2pred.cli.learn, pix2pred.cli.solve):
-        module.__dict__["load_vlm"] = lambda spec, domain: model
+        module.__dict__["load_stored"] = behind_a_store(model)
+
+
+def behind_a_store(model: VLM) -> Callable[..., StoredVLM]:
+    """What stands in for ``registry.load_stored``."""
+
+    def load(
+        spec: str,
+        domain: str | None,
+        store: AnswerStore,
+        mode: StoreMode = StoreMode.RESUME,
+        *rest: object,
+        **more: object,
+    ) -> StoredVLM:
+        return StoredVLM(model, store, mode)
+
+    return load
 
 
 def main() -> None:

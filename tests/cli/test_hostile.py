@@ -52,7 +52,7 @@ def model(monkeypatch: pytest.MonkeyPatch) -> Model:
     def set_model(**answers: Any) -> Any:
         fake = lamps.Fake(**answers)
         for verb in ("learn", "solve"):
-            monkeypatch.setattr(f"pix2pred.cli.{verb}.load_vlm", lambda spec, domain: fake)
+            monkeypatch.setattr(f"pix2pred.cli.{verb}.load_stored", lamps.behind_a_store(fake))
         return fake
 
     set_model()
@@ -165,9 +165,9 @@ def test_what_is_wrong_with_a_file_is_said_before_anything_is_asked(
     edit(data / file, old, new)
     before = tree(data)
     if "simulator" in new:
-        from pix2pred.registry import load_vlm
+        from pix2pred.registry import load_stored
 
-        monkeypatch.setattr("pix2pred.cli.learn.load_vlm", load_vlm)
+        monkeypatch.setattr("pix2pred.cli.learn.load_stored", load_stored)
     refused(cli("learn", data, "--out", tmp_path / "run"), message)
     assert not fake.asked and tree(data) == before and not (tmp_path / "run").exists()
 

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
-from pix2pred.images import draw_view, encode_png, skill_crop
+from pix2pred.images import ShownPictures, draw_view, encode_png, skill_crop
 from pix2pred.images.draw import FOOT_HEIGHT, HEADING_HEIGHT
+from pix2pred.images.png import fast_png
 from pix2pred.structs import Box, Image, Picture, State
 from pix2pred.structs.views import View
 
@@ -172,3 +173,20 @@ def test_crops_need_a_box() -> None:
 def test_a_crop_around_a_point_can_be_drawn() -> None:
     state = State((replace(PLAIN.picture, boxes={"cup": Box(40, 40, 40, 40)}),))
     draw_view(replace(PLAIN, crop=skill_crop(state, state, ["cup"], 0, (300, 200))))
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (30, 41)])
+def test_fast_png_files_hold_the_same_pixels(size: tuple[int, int]) -> None:
+    pixels = np.random.default_rng(0).integers(0, 256, (*size, 3), dtype=np.uint8)
+    assert np.array_equal(Image(fast_png(pixels)).pixels(), pixels)
+
+
+def test_shown_pictures_are_drawn_views(monkeypatch: pytest.MonkeyPatch) -> None:
+    pixels = np.random.default_rng(1).integers(0, 256, (20, 30, 3), dtype=np.uint8)
+    views = [View(Picture("main", Image.from_pixels(pixels)), t, heading=f"state {t}") for t in range(70)]
+    shown = ShownPictures()
+    for view in views:
+        assert np.array_equal(Image(shown(view)).pixels(), draw_view(view))
+    monkeypatch.setattr("pix2pred.images.shown.draw_view", lambda view: pixels)
+    assert np.array_equal(Image(shown(views[69])).pixels(), draw_view(views[69])), "the latest are remembered"
+    assert np.array_equal(Image(shown(views[0])).pixels(), pixels), "the first were forgotten"

@@ -8,7 +8,7 @@ import pytest
 
 from learning.random_tables import BALL, candidate, demo, given, table
 from learning.random_workloads import Workload, random_workload
-from pix2pred.learning import HillClimbing, LearningSettings, Selection, TieRule, hill_climbing, operator_learner
+from pix2pred.learning import HillClimbing, LearningSettings, Published, Selection, hill_climbing, operator_learner
 from pix2pred.learning.refinement import DemoScore
 from pix2pred.planning import Strips
 from pix2pred.structs import Action, Object, Skill, TruthTable
@@ -20,6 +20,11 @@ ENGINES = pytest.mark.parametrize("engine", ["grouped", "exact-tree"])
 def climb(source: TruthTable, **chosen: object) -> Selection:
     settings = LearningSettings.model_validate(chosen)
     return hill_climbing(source, settings).run()
+
+
+def published(settings: LearningSettings) -> Published:
+    """Strict minimum, first by name."""
+    return Published(settings.early_stop, settings.j_threshold)
 
 
 def names(predicates: object) -> list[str]:
@@ -129,7 +134,9 @@ def test_improvement_and_level_stop_differently(early_stop: str, threshold: floa
     """J per demonstration 600, 100, 1: drops of 1500 and 297. What buys too little is not added."""
     settings = LearningSettings.model_validate({"early_stop": early_stop, "j_threshold": threshold})
     found = HillClimbing(
-        operator_learner(kitchen(), settings), settings, Scripted([600.0, 100.0, 1.0]), TieRule(0.0)
+        operator_learner(kitchen(), settings),
+        Scripted([600.0, 100.0, 1.0]),
+        published(settings),
     ).run()
     assert [round(s.j) for s in found.steps] == [1800, 300, 3][:steps]
 
@@ -137,7 +144,11 @@ def test_improvement_and_level_stop_differently(early_stop: str, threshold: floa
 def test_what_does_not_improve_is_not_added() -> None:
     settings = LearningSettings(j_threshold=0)
     for values in ([5.0, 5.0, 5.0], [5.0, 6.0, 1.0]):  # no look-ahead over a worse step either
-        found = HillClimbing(operator_learner(kitchen(), settings), settings, Scripted(values), TieRule(0.0)).run()
+        found = HillClimbing(
+            operator_learner(kitchen(), settings),
+            Scripted(values),
+            published(settings),
+        ).run()
         assert (found.selected, len(found.steps)) == ((), 1)
 
 
@@ -154,7 +165,7 @@ def test_selected_predicates_that_are_no_precondition_are_dropped() -> None:
             self.calls += 1
             return DemoScore(100.0 / self.calls)
 
-    climbing = HillClimbing(operator_learner(only, settings), settings, Better(), TieRule(0.0))
+    climbing = HillClimbing(operator_learner(only, settings), Better(), published(settings))
     climbing._objective._known = _Forgetful()
     found = climbing.run()
     assert names(found.dropped) == ["after"]

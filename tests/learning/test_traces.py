@@ -257,3 +257,30 @@ def test_pool_predicates_of_the_random_tables_are_all_written(tmp_path: Path) ->
     assert kinds == {p.name: "given" for p in source.initial} | {c.predicate.name: "candidate" for c in source.pool}
     assert {c.predicate for c in source.pool} <= set(POOL)
     assert load(tmp_path, document).settings == {"max_plans": 3}
+
+
+def test_confidence_comes_back_and_is_checked(tmp_path: Path) -> None:
+    source = random_table(3)
+    rng = np.random.default_rng(3)
+    demos = []
+    for d in source.demos:
+        sure = np.where(rng.random(d.values.shape) < 0.5, rng.random(d.values.shape).round(2), np.nan)
+        demos.append(LabelledDemo(d.name, d.objects, d.actions, d.goal, d.atoms, d.values, sure.astype(np.float32)))
+    table = TruthTable(source.initial, source.pool, tuple(demos))
+    text = dump_traces(Vocabulary("v", TYPES, SKILLS, source.initial), table, {})
+    (tmp_path / "t.json").write_text(text)
+    again = load_traces(tmp_path / "t.json").table
+
+    def known(demo: LabelledDemo) -> dict[tuple[int, str], float]:
+        assert demo.confidence is not None
+        places = np.argwhere(np.isfinite(demo.confidence))
+        return {(int(t), str(demo.atoms[i])): round(float(demo.confidence[t, i]), 4) for t, i in places}
+
+    assert [known(d) for d in again.demos] == [known(d) for d in demos]
+    document = json.loads(text)
+    document["demos"][0]["confidence"][0][0][1] = 1.5
+    with pytest.raises(TracesError, match=r"demos\[0\].confidence\[0\]\[0\]\[1\]"):
+        load(tmp_path, document)
+    document["demos"][0]["confidence"] = []
+    with pytest.raises(TracesError, match="must have one entry per state"):
+        load(tmp_path, document)

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import pytest
 
 from pix2pred.predicates import READ, Labeller, LabelSettings, StateLabels, ground_atoms
+from pix2pred.predicates.prompt import atom_text
 from pix2pred.structs import FALSE, TRUE, UNKNOWN, Demo
-from pix2pred.vlm import Request
+from pix2pred.vlm import Answer, Finish, Request, Token
 from predicates.scripted import COOKED, OBJECTS, P1, P2, UNDER, Script, ScriptedVLM, demo
 
 ATOMS = ground_atoms((COOKED, UNDER), OBJECTS)
 C1, C2 = COOKED(P1), COOKED(P2)
-PLAIN = LabelSettings(double_check=False)
+PLAIN = LabelSettings(double_check=False, attempts=1)
+ASKING = LabelSettings(double_check=False)
 
 
 def label(
@@ -75,7 +79,7 @@ def test_pictures_are_before_after_and_crops_of_every_camera() -> None:
 
 
 def test_crops_can_be_off_and_need_boxes() -> None:
-    vlm, _ = label(["cooked(patty1): True."] * 3, LabelSettings(double_check=False, crops=False))
+    vlm, _ = label(["cooked(patty1): True."] * 3, LabelSettings(double_check=False, attempts=1, crops=False))
     assert len(vlm.asked[1].views) == 2
     assert "Two more pictures" not in vlm.asked[1].text
     vlm, _ = label(["cooked(patty1): True."] * 3, demo=demo(boxes=False))
@@ -98,7 +102,7 @@ def by_purpose(first: str, later: str, check: str) -> Callable[[Request], str]:
 
 def test_the_double_check_replaces_the_answer_and_is_not_done_at_first() -> None:
     script = by_purpose("cooked(patty1): False. F", "cooked(patty1): False. L", "cooked(patty1): True. C")
-    vlm, labels = label(script, LabelSettings())
+    vlm, labels = label(script, LabelSettings(attempts=1))
     assert [r.purpose for r in vlm.asked] == ["label", "label", "double-check", "label", "double-check"]
     assert values(labels) == [[0, 0], [1, 0], [1, 0]]
     assert [s.text[-1] for s in labels] == ["F", "C", "C"]
@@ -111,14 +115,16 @@ def test_the_double_check_replaces_the_answer_and_is_not_done_at_first() -> None
 
 
 def test_a_refused_double_check_keeps_the_answer() -> None:
-    _, labels = label(by_purpose("cooked(patty1): False.", "cooked(patty1): True.", "Sorry."), LabelSettings())
+    _, labels = label(
+        by_purpose("cooked(patty1): False.", "cooked(patty1): True.", "Sorry."), LabelSettings(attempts=1)
+    )
     assert values(labels)[1] == [TRUE, FALSE]
 
 
 def test_counts_of_both_answers_are_kept() -> None:
     _, labels = label(by_purpose("", "cooked(patty1): Maybe. cooked(patty2): True.", "cooked(patty1): True."))
     assert labels[1].counts["other words"] == 1
-    settings = LabelSettings()
+    settings = LabelSettings(attempts=1)
     _, labels = label(by_purpose("", "cooked(patty1): Maybe. cooked(patty2): True.", "cooked(patty1): True."), settings)
     assert labels[1].counts["other words"] == 1
 
@@ -134,19 +140,122 @@ def test_missing_values_are_carried_or_false() -> None:
     _, labels = label(GAPS)
     assert values(labels) == [[TRUE, UNKNOWN], [TRUE, UNKNOWN], [FALSE, UNKNOWN]]
     assert [s.counts["missing"] for s in labels] == [2, 3, 3]
-    _, labels = label(GAPS, LabelSettings(double_check=False, missing="false"))
+    _, labels = label(GAPS, LabelSettings(double_check=False, attempts=1, missing="false"))
     assert values(labels) == [[TRUE, UNKNOWN], [FALSE, FALSE], [FALSE, FALSE]]
 
 
+ALL = "\n".join(
+    f"{text}: False" for text in ("cooked(patty2)", "under(patty1, small_blue_cup)", "under(patty2, small_blue_cup)")
+)
+
+
 def test_unusable_answers_are_asked_again_and_counted() -> None:
-    vlm, labels = label(["Sorry.", "cooked(patty1): True.", "", "raw(patty1): True.", "No.", "cooked(patty1): True."])
+    whole = f"cooked(patty1): True.\n{ALL}"
+    vlm, labels = label(["Sorry.", whole, "", "raw(patty1): True.", "No.", whole], ASKING)
     assert [r.attempt for r in vlm.asked] == [0, 1, 0, 1, 2, 0]
     assert values(labels) == [[TRUE, FALSE]] * 3
     assert [s.counts for s in labels] == [
-        {READ: 1, "unusable answers": 1, "missing": 3},
+        {READ: 1, "unusable answers": 1},
         {"unasked": 1, "unusable answers": 3, "missing": 4},
-        {READ: 1, "missing": 3},
+        {READ: 1},
     ]
+    (gap,) = labels[1].gaps
+    assert (gap.about, gap.purpose, len(gap.atoms)) == ("d, state 1", "label", 4)
+    assert not labels[0].gaps and not labels[2].gaps
+
+
+def test_atoms_left_out_are_asked_about_again_alone() -> None:
+    vlm, labels = label(["cooked(patty1): True.", ALL, ALL, "cooked(patty1): Unknown", ALL, "", ""], ASKING)
+    listed = [r.text.rpartition("Predicates:\n")[2].splitlines() for r in vlm.asked]
+    assert [len(atoms) for atoms in listed] == [4, 3, 4, 1, 4, 1, 1]
+    assert values(labels) == [[TRUE, FALSE], [UNKNOWN, FALSE], [UNKNOWN, FALSE]]
+    assert labels[0].text == f"cooked(patty1): True.\n\n{ALL}"
+    assert [gap.atoms for s in labels for gap in s.gaps] == [("cooked(patty1)",)]
+
+
+@dataclass
+class Finishing:
+    """Cuts answers short when they are about more than ``fits`` atoms or their budget is below ``enough``."""
+
+    fits: int
+    enough: int = 0
+    name: str = "finishing"
+    asked: list[int] = field(default_factory=list)
+
+    def answer(self, request: Request) -> Answer:
+        atoms = request.text.rpartition("Predicates:\n")[2].splitlines()
+        self.asked.append(len(atoms))
+        text = "\n".join(f"{atom}: True" for atom in atoms)
+        if len(atoms) > self.fits or request.max_tokens < self.enough:
+            return Answer(text[: len(text) // 2], finish=Finish.CUT_SHORT)
+        return Answer(text)
+
+
+def test_an_answer_cut_short_is_not_read_and_its_atoms_are_asked_about_in_halves() -> None:
+    vlm = Finishing(fits=1)
+    labels = Labeller(vlm, ASKING).demo(demo(actions=0), ATOMS)
+    assert vlm.asked == [4, 2, 1, 1, 2, 1, 1]
+    assert set(labels[0].values.values()) == {TRUE} and not labels[0].gaps
+    assert labels[0].counts["cut short"] == 3
+
+
+def test_a_single_atom_cut_short_gets_a_larger_budget_and_then_is_given_up() -> None:
+    vlm = Finishing(fits=9, enough=4000)
+    labels = Labeller(vlm, ASKING).demo(demo(actions=0), ATOMS[:1])
+    assert vlm.asked == [1, 1] and not labels[0].gaps
+    labels = Labeller(Finishing(fits=0), ASKING).demo(demo(actions=0), ATOMS[:1])
+    assert [gap.reason for gap in labels[0].gaps] == ["always cut short"]
+
+
+class Voting:
+    """Says True in samples below ``yes``, False in others; takes no heed of order."""
+
+    name = "voting"
+
+    def __init__(self, yes: int) -> None:
+        self.yes = yes
+        self.samples: list[tuple[int, float]] = []
+
+    def answer(self, request: Request) -> Answer:
+        self.samples.append((request.sample, request.temperature))
+        atoms = request.text.rpartition("Predicates:\n")[2].splitlines()
+        word = "True" if request.sample < self.yes else "False"
+        return Answer("\n".join(f"{atom}: {word}. Sample {request.sample}" for atom in atoms))
+
+
+@pytest.mark.parametrize(("yes", "value", "share"), [(3, TRUE, 0.6), (1, FALSE, 0.8), (5, TRUE, 1.0)])
+def test_votes_decide_and_their_share_is_the_confidence(yes: int, value: int, share: float) -> None:
+    vlm = Voting(yes)
+    labels = Labeller(vlm, LabelSettings(votes=5)).demo(demo(actions=0), ATOMS)
+    assert sorted(vlm.samples) == [(n, 0.7) for n in range(5)]
+    assert set(labels[0].values.values()) == {value}
+    assert set(labels[0].confidence.values()) == {share}
+    assert f"Sample {0 if value == TRUE else yes}" in labels[0].text
+
+
+def test_confidence_comes_from_the_token_that_begins_the_value() -> None:
+    class Sure:
+        name = "sure"
+
+        def answer(self, request: Request) -> Answer:
+            assert request.logprobs
+            pieces: list[tuple[str, list[tuple[str, float]]]] = [("**cooked(patty1)**:", []), (" ", [])]
+            pieces += [("Tr", [(" False", 0.2), ("Tr", 0.6), ("maybe", 0.2)]), ("ue", []), (".", [])]
+            tokens = [Token(t, ((t, math.log(0.6)), *((o, math.log(p)) for o, p in others))) for t, others in pieces]
+            return Answer("".join(t.text for t in tokens), tokens=tuple(tokens))
+
+    labels = Labeller(Sure(), LabelSettings(logprobs=True, attempts=1)).demo(demo(actions=0), ATOMS)
+    assert labels[0].confidence == {C1: pytest.approx(0.75)}
+
+
+def test_structured_answers_are_read_and_prose_in_their_place_too() -> None:
+    rows = [{"atom": str(text), "explanation": "seen", "value": "True"} for text in map(atom_text, ATOMS)]
+    document = json.dumps({"expected_changes": "a", "observed_changes": "b", "values": rows})
+    vlm, labels = label([document, "cooked(patty1): False", document], LabelSettings(
+        structured=True, double_check=False, attempts=1))  # fmt: skip
+    assert values(labels) == [[TRUE, TRUE], [FALSE, TRUE], [TRUE, TRUE]]
+    assert json.loads(vlm.asked[0].schema)["properties"]["values"]["items"]["properties"]["atom"]["enum"]
+    assert "* cooked(patty1): True. seen" in vlm.asked[1].text, "the history is told in words"
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 100])
@@ -170,7 +279,7 @@ def test_the_budget_fits_an_explanation_of_every_atom() -> None:
 
 
 def test_hints_and_marks_reach_the_queries() -> None:
-    settings = LabelSettings(double_check=False, marks=False, hints=("Cooking is instantaneous.",))
+    settings = LabelSettings(double_check=False, attempts=1, marks=False, hints=("Cooking is instantaneous.",))
     vlm, _ = label(["cooked(patty1): True."] * 3, settings)
     assert ["Cooking is instantaneous." in r.text for r in vlm.asked] == [False, True, True]
     assert not any(v.marks for r in vlm.asked for v in r.views)

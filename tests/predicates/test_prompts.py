@@ -58,8 +58,8 @@ def test_filled_proposals() -> None:
 
 
 def test_filled_labels() -> None:
-    first, later, again = labelling(LabelSettings(hints=("Cooking is instantaneous.",)))
+    first, later, again = labelling(LabelSettings(attempts=1, hints=("Cooking is instantaneous.",)))
     check("filled_label_first", shown(first))
     check("filled_label_next", shown(later))
     check("filled_double_check", shown(again))
-    check("filled_label_first_terse", shown(labelling(LabelSettings(style="terse"))[0]))
+    check("filled_label_first_terse", shown(labelling(LabelSettings(attempts=1, style="terse"))[0]))

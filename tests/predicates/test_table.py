@@ -10,7 +10,7 @@ from predicates.scripted import COOKED, HOLDING, ITEM, OBJECTS, P1, P2, POOL, RO
 
 ANSWERS = ["cooked(patty1): Unknown. cooked(patty2): True.", "cooked(patty1): True.", "cooked(patty2): False."]
 HELD = Predicate("Held", (ITEM,), FromSkills((SkillTrigger("Pick", (1,)),)))
-PLAIN = LabelSettings(double_check=False)
+PLAIN = LabelSettings(double_check=False, attempts=1)
 
 
 def test_unknown_stays_in_the_table_and_is_false_in_abstract_states() -> None:

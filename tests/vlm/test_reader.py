@@ -22,7 +22,7 @@ from pix2pred.domains.burger.random_worlds import random_worlds
 from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.vocabulary import SKILL_OF, SKILLS
 from pix2pred.domains.burger.world import World
-from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
+from pix2pred.predicates import Labeller, LabelSettings, Step, ground_atoms
 from pix2pred.predicates.parse_labels import parse_labels
 from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Object, Picture, Predicate, State
 from pix2pred.vlm import Answer, Request
@@ -81,8 +81,8 @@ def cooking() -> tuple[World, World, list[Object]]:
 
 
 def test_word_accuracy_on_seeds_used_nowhere_else() -> None:
-    worlds, scenes = train_reader.read_worlds(TEST_SEED, 45, 4, jobs=2)
-    measured = train_reader.measure(model(), worlds, scenes)
+    worlds, scenes = train_reader.read_worlds("burger", TEST_SEED, 45, 4, jobs=2)
+    measured = train_reader.measure("burger", model(), worlds, scenes)
     assert len(measured) >= 20
     for word, row in measured.items():
         assert row["true_cases"] >= 30 and row["false_cases"] >= 30, word
@@ -135,7 +135,9 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
                 if any(o.type.is_a(t) for o in objects)]  # fmt: skip
         for previous in (first, flipped):
             action = Action(skill, tuple(args))
-            seen.append(labeller.next(before, after, 1, action, objects, previous, atoms, double_check=True).values)
+            seen.append(
+                labeller.next(Step(before, after, 1, action, previous), objects, atoms, double_check=True).values
+            )
     assert all(values == seen[0] for values in seen)
 
 
@@ -161,7 +163,9 @@ def test_an_object_without_a_box_keeps_its_previous_value() -> None:
     labeller = Labeller(reader(), LabelSettings())
     first = labeller.first(State((render(raw),)), objects, atoms)
     action = Action(SKILL_OF["Pick"], (objects[-1], objects[0]))
-    after = labeller.next(State((render(raw),)), State((hidden,)), 1, action, objects, first, atoms, double_check=False)
+    after = labeller.next(
+        Step(State((render(raw),)), State((hidden,)), 1, action, first), objects, atoms, double_check=False
+    )
     for atom in atoms:
         if "patty1" in [o.name for o in atom.objects]:
             assert after.values[atom] == first.values[atom]

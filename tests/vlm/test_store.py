@@ -106,8 +106,8 @@ def test_answers_come_back_and_are_plain_json(tmp_path: Path) -> None:
     store = AnswerStore(tmp_path / "стор")
     key = REQUEST.key(MODEL)
     assert store.get(key) is None
-    store.put(REQUEST, MODEL, "Œ\n漢字 \U0001f354")
-    assert store.get(key) == "Œ\n漢字 \U0001f354"
+    store.put(REQUEST, MODEL, Answer("Œ\n漢字 \U0001f354"))
+    assert store.get(key) == Answer("Œ\n漢字 \U0001f354", stored=True)
     entry = json.loads((store.directory / "answers" / key[:2] / f"{key}.json").read_text(encoding="utf-8"))
     assert entry["request"] == json.loads(json.dumps(REQUEST.canonical(MODEL)))
     (blob,) = (store.directory / "blobs").iterdir()
@@ -121,7 +121,7 @@ def test_stored_pictures_are_clean_pngs(tmp_path: Path, format: str) -> None:
     exif[PIL.ExifTags.Base.Artist] = "Somebody"
     buffer = io.BytesIO()
     PIL.Image.fromarray(PIXELS).save(buffer, format, exif=exif)
-    AnswerStore(tmp_path).put(with_picture(image=Image(buffer.getvalue())), MODEL, "yes")
+    AnswerStore(tmp_path).put(with_picture(image=Image(buffer.getvalue())), MODEL, Answer("yes"))
     (blob,) = (tmp_path / "blobs").iterdir()
     assert blob.read_bytes().startswith(b"\x89PNG")
     assert b"Somebody" not in blob.read_bytes()
@@ -135,11 +135,11 @@ def test_a_crash_while_writing_leaves_no_partial_file(tmp_path: Path, monkeypatc
     store = AnswerStore(tmp_path)
     with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
         patched.setattr(Path, "replace", crash)
-        store.put(REQUEST, MODEL, "yes")
+        store.put(REQUEST, MODEL, Answer("yes"))
     assert store.get(REQUEST.key(MODEL)) is None
     assert not [p for p in tmp_path.rglob("*") if p.is_file() and not p.name.startswith(".")]
-    store.put(REQUEST, MODEL, "yes")
-    assert store.get(REQUEST.key(MODEL)) == "yes"
+    store.put(REQUEST, MODEL, Answer("yes"))
+    assert store.get(REQUEST.key(MODEL)) == Answer("yes", stored=True)
 
 
 DAMAGED = [b"", b"{", b"[]", b"null", b'"answer"', b"\xff", b"{}", b'{"version": 1}', b'{"version": 2, "answer": "x"}',
@@ -150,7 +150,7 @@ DAMAGED = [b"", b"{", b"[]", b"null", b'"answer"', b"\xff", b"{}", b'{"version":
 @pytest.mark.parametrize("mode", [StoreMode.RESUME, StoreMode.REPLAY])
 def test_a_damaged_file_is_an_error_naming_it(tmp_path: Path, content: bytes, mode: StoreMode) -> None:
     store = AnswerStore(tmp_path)
-    store.put(REQUEST, MODEL, "yes")
+    store.put(REQUEST, MODEL, Answer("yes"))
     (path,) = (tmp_path / "answers").rglob("*.json")
     path.write_bytes(content)
     with pytest.raises(VLMError, match=path.name):
@@ -171,7 +171,7 @@ def test_replay_never_asks(tmp_path: Path) -> None:
     replay = StoredVLM(model, store, StoreMode.REPLAY)
     with pytest.raises(ReplayMissError, match="no answer to a label query of modèle:1"):
         replay.answer(REQUEST)
-    store.put(REQUEST, MODEL, "yes")
+    store.put(REQUEST, MODEL, Answer("yes"))
     assert replay.answer(REQUEST) == Answer("yes", stored=True)
     with pytest.raises(ReplayMissError):
         replay.answer(replace(REQUEST, attempt=1))
@@ -187,16 +187,16 @@ def test_a_model_that_fails_stores_nothing(tmp_path: Path) -> None:
 
     with pytest.raises(VLMError, match="no network"):
         StoredVLM(Down(), AnswerStore(tmp_path)).answer(REQUEST)
-    assert list(tmp_path.iterdir()) == []
+    assert not [p for p in tmp_path.rglob("*") if p.is_file()]
 
 
 def test_stores_merge_by_copying(tmp_path: Path) -> None:
     requests = [replace(REQUEST, sample=i) for i in range(4)]
     for i, request in enumerate(requests):
-        AnswerStore(tmp_path / f"{i % 2}").put(request, MODEL, f"answer {i}")
+        AnswerStore(tmp_path / f"{i % 2}").put(request, MODEL, Answer(f"answer {i}"))
     shutil.copytree(tmp_path / "1", tmp_path / "0", dirs_exist_ok=True)
     merged = AnswerStore(tmp_path / "0")
-    assert [merged.get(r.key(MODEL)) for r in requests] == [f"answer {i}" for i in range(4)]
+    assert [merged.get(r.key(MODEL)) for r in requests] == [Answer(f"answer {i}", stored=True) for i in range(4)]
 
 
 def run(work: Callable[[Request], Answer], requests: list[Request]) -> list[Answer]:

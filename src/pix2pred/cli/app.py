@@ -11,15 +11,23 @@ from collections.abc import Sequence
 from cyclopts import App, CycloptsError
 
 from pix2pred import __version__
+from pix2pred.baselines.sandbox import SandboxError
+from pix2pred.benchmark import SuiteError
+from pix2pred.cli.answers import answers
+from pix2pred.cli.bench import bench
 from pix2pred.cli.data import check, generate
 from pix2pred.cli.demo import demo
+from pix2pred.cli.doctor import doctor
 from pix2pred.cli.learn import learn
 from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.review import review
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
+from pix2pred.film import FilmError
 from pix2pred.learning import TracesError
+from pix2pred.learning.samplers_file import SamplerFileError
+from pix2pred.parallel import BackendError
 from pix2pred.planning import ExternalPlannerError
 from pix2pred.predicates import CorrectionsError, EmptyProposalError, EvidenceError, UnusableAnswersError
 from pix2pred.registry import RegistryError
@@ -27,20 +35,29 @@ from pix2pred.run_folder import RunFolderError
 from pix2pred.structs import PictureError
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.expressions import ExpressionError
+from pix2pred.structs.extras import MissingExtraError
 from pix2pred.structs.model_file import ModelFileError
 from pix2pred.vlm import VLMError
+from pix2pred.vlm.breaker import UselessModelError
+from pix2pred.vlm.budget import BudgetError
 
 BAD_INPUT = (
     CorrectionsError,
+    SandboxError,
+    BackendError,
     EmptyProposalError,
     EvidenceError,
     ExpressionError,
     ExternalPlannerError,
+    FilmError,
     FolderError,
+    MissingExtraError,
     ModelFileError,
     PictureError,
     RegistryError,
     RunFolderError,
+    SamplerFileError,
+    SuiteError,
     TracesError,
     UnknownNameError,
     UnusableAnswersError,
@@ -48,14 +65,19 @@ BAD_INPUT = (
 )
 """Errors that users can cause and put right; their messages say how."""
 
+STOPPED = (BudgetError, UselessModelError)
+"""Errors that end a run which was asked for rightly."""
+
 app = App(
     name="pix2pred",
     version=__version__,
     suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (demo, generate, check, learn, review, solve, select, plan_pddl):
+for _verb in (demo, generate, check, learn, review, solve, select, plan_pddl, doctor):
     app.command(_verb)
+app.command(answers)
+app.command(bench)
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -72,6 +94,9 @@ def run(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("\ninterrupted; the same command goes on where this one stopped", file=sys.stderr)
         return 130
+    except STOPPED as error:
+        _complain(str(error))
+        return 1
     except BAD_INPUT as error:
         return _complain(str(error))
     except OSError as error:

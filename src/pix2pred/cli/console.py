@@ -28,6 +28,7 @@ _STAGES = {
     "select": "Selecting predicates",
     "doubt": "Looking for wrong labels",
     "solve": "Solving tasks",
+    "bench": "Running the suite",
     "score": "Scoring a set",
 }
 
@@ -94,3 +95,18 @@ def print_solved(summary: Mapping[str, Any]) -> None:
         table.add_row(escape(episode["task"]), result, str(len(episode["steps"])), escape(episode["detail"]))
     out.print(table)
     out.print(f"solved {summary['solved']} of {summary['tasks']}")
+
+
+def print_estimated(estimate: Mapping[str, Any]) -> None:
+    """What a run would ask, stage by stage, and in all."""
+    table = Table(title=f"What would be asked of {escape(estimate['model'])}", title_justify="left", box=None)
+    fields = ("queries", "from_store", "pictures", "atoms", "input_tokens", "output_tokens")
+    for column in ("stage", *fields, "dollars"):
+        table.add_column(column.replace("_", " "), justify="left" if column == "stage" else "right")
+    for stage, row in [*estimate["stages"].items(), ("in all", estimate)]:
+        cost = "unknown" if row["dollars"] is None else f"{row['dollars']:.4f}"
+        table.add_row(stage, *(f"{row[f]:,}" for f in fields), cost)
+    out.print(table)
+    if estimate["assumed_predicates"]:
+        out.print("The proposals are not known yet: atoms, tokens and cost of labelling rest on an assumed proposal.")
+    out.print("Tokens are estimated from the length of the texts; nothing was sent.")

@@ -16,7 +16,7 @@ def generate(
     domain: str,
     /,
     *,
-    family: str = "more-stacks",
+    family: Annotated[str | None, Parameter(help="Family of demonstrations [default: the domain's first].")] = None,
     seed: Annotated[int, Parameter(help="Varies counts and positions.", validator=NOT_NEGATIVE)] = 0,
     tasks: Annotated[int, Parameter(help="Number of unseen test tasks to add.", validator=NOT_NEGATIVE)] = 10,
     out: Annotated[Path, Parameter(name="--out", help="Folder to write.")],
@@ -28,6 +28,7 @@ def generate(
     Example: pix2pred generate burger --family more-stacks --seed 0 --out data/stacks
     """
     made = load_domain(domain)
+    family = family or made.families[0]
     check_family(made, family)
     with bars() as progress:
         progress("generate", 0, 2, "demonstrations")

@@ -9,14 +9,15 @@ import yaml
 from cyclopts import Parameter
 from pydantic import ValidationError
 
-from pix2pred.cli.console import bars, err, print_json, print_learned
+from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, err, print_estimated, print_json, print_learned
 from pix2pred.demos import Project, project_digest, read_project
-from pix2pred.pipeline import Settings
-from pix2pred.registry import RegistryError, load_vlm
+from pix2pred.pipeline import Settings, ask_everything
+from pix2pred.registry import NO_LIMITS, Limits, RegistryError, load_estimator, load_stored
 from pix2pred.report import REPORT, write_report
 from pix2pred.run_folder import RunFolder
 from pix2pred.runs import learn_into, relearn
-from pix2pred.vlm import AnswerStore, CountingVLM, StoredVLM, StoreMode
+from pix2pred.vlm import AnswerStore, CountingVLM, StoreMode
+from pix2pred.vlm.model_names import FORMS
 
 
 def learn(
@@ -27,18 +28,31 @@ def learn(
     resume: Annotated[
         Path | None, Parameter(help="Learn again in this finished run, with its corrections; asks no model.")
     ] = None,
-    vlm: Annotated[str, Parameter(help="Model that proposes and labels: offline.")] = "offline",
+    vlm: Annotated[str, Parameter(help=f"Model that proposes and labels: {FORMS}.")] = "offline",
     config: Annotated[Path | None, Parameter(help="YAML file with settings that differ from the defaults.")] = None,
     answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None,
-    mode: Annotated[StoreMode, Parameter(help="live: ask; resume: ask what is not stored; replay: never ask.")] = (
-        StoreMode.RESUME
-    ),
+    mode: Annotated[
+        StoreMode,
+        Parameter(
+            help="live: ask; resume: ask what is not stored; retry: also what was refused or cut short; "
+            "replay: never ask."
+        ),
+    ] = StoreMode.RESUME,
+    votes: Annotated[int | None, Parameter(help="Samples per labelling query; the majority decides.")] = None,
+    concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=POSITIVE)] = None,
+    max_requests: Annotated[int | None, Parameter(help="Most requests to send.", validator=NOT_NEGATIVE)] = None,
+    max_cost: Annotated[float | None, Parameter(help="Stop before spending more US dollars than this.")] = None,
+    dry_run: Annotated[bool, Parameter(help="Print what would be asked and what it may cost; ask nothing.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
     """Learn a world model from the demonstrations in a project folder.
 
-    Examples: pix2pred learn data/stacks --vlm offline --out runs/stacks
-              pix2pred learn --resume runs/stacks
+    Examples:
+        pix2pred learn data/stacks --vlm offline --out runs/stacks
+        pix2pred learn --resume runs/stacks
+        pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run
+        pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea
+        pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea
     """
     if resume is not None:
         if data is not None or out is not None:
@@ -52,8 +66,10 @@ def learn(
     if any(out.resolve().is_relative_to((data / part).resolve()) for part in ("demos", "tasks")):
         raise RegistryError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
     project = read_project(data)
-    settings = resolve_settings(project, config)
-    metrics = run_learning(project, settings, vlm, out, answers, mode, quiet=json)
+    settings = resolve_settings(project, config, votes, concurrent)
+    if dry_run:
+        return print_estimate(project, settings, vlm, AnswerStore(answers or out), as_json=json)
+    metrics = run_learning(project, settings, vlm, out, answers, mode, Limits(max_requests, max_cost), quiet=json)
     if json:
         print_json(metrics)
     else:
@@ -62,13 +78,21 @@ def learn(
 
 
 def run_learning(
-    project: Project, settings: Settings, vlm: str, out: Path, answers: Path | None, mode: StoreMode, *, quiet: bool
+    project: Project,
+    settings: Settings,
+    vlm: str,
+    out: Path,
+    answers: Path | None,
+    mode: StoreMode,
+    limits: Limits = NO_LIMITS,
+    *,
+    quiet: bool,
 ) -> dict[str, Any]:
     """Learn into the run folder ``out`` with progress bars; gives the summary."""
     domain = (project.simulator or {}).get("domain")
-    model = load_vlm(vlm, domain)
     store = AnswerStore(answers or out)
     store.check()
+    model = load_stored(vlm, domain, store, mode, settings.flow, limits)
     with RunFolder(out).locked() as run:
         run.claim(
             {
@@ -76,16 +100,20 @@ def run_learning(
                 "vlm": vlm,
                 "model": model.name,
                 "simulator": dict(project.simulator or {}),
-                "settings": settings.model_dump(mode="json"),
+                "settings": settings.model_dump(mode="json", exclude={"flow"}),  # how to ask changes no result
                 "answers": str(answers.resolve()) if answers else None,
             }
         )
-        counting = CountingVLM(StoredVLM(model, store, mode))
+        counting = CountingVLM(model)
+        if vlm.startswith("mailbox:"):
+            folder = vlm.partition(":")[2]
+            err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
         with bars() as progress:
             learned, metrics = learn_into(run, project.vocabulary, project.demos, counting, settings, progress)
         write_report(run)
     if not quiet:
-        print_learned(metrics, learned.selected.model.operators)
+        print_learned(metrics, learned.model.operators)
+        err.print(counting.usage.line(), markup=False)
     return metrics
 
 
@@ -101,8 +129,22 @@ def run_relearning(folder: Path, *, quiet: bool) -> dict[str, Any]:
     return metrics
 
 
-def resolve_settings(project: Project, config: Path | None) -> Settings:
-    """Defaults, overridden by the project's ``learning`` section, overridden by ``config``."""
+def print_estimate(project: Project, settings: Settings, vlm: str, store: AnswerStore, *, as_json: bool) -> int:
+    """What a run would ask."""
+    estimator = load_estimator(vlm, (project.simulator or {}).get("domain"), store)
+    ask_everything(project.vocabulary, project.demos, estimator, settings)
+    estimate = estimator.as_dict()
+    if as_json:
+        print_json(estimate)
+    else:
+        print_estimated(estimate)
+    return 0
+
+
+def resolve_settings(
+    project: Project, config: Path | None, votes: int | None = None, concurrent: int | None = None
+) -> Settings:
+    """Defaults, overridden by the project's ``learning`` section, by ``config``, and by options."""
     given: dict[str, Any] = {"learning": dict(project.learning)}
     if config is not None:
         try:
@@ -114,6 +156,9 @@ def resolve_settings(project: Project, config: Path | None) -> Settings:
         for section, values in loaded.items():
             merge = isinstance(values, dict) and isinstance(given.get(section), dict)
             given[section] = {**given[section], **values} if merge else values
+    for section, name, value in (("labels", "votes", votes), ("flow", "concurrent", concurrent)):
+        if value is not None:
+            given[section] = {**(given.get(section) or {}), name: value}
     try:
         return Settings.model_validate(given)
     except ValidationError as error:

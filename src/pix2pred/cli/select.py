@@ -22,6 +22,7 @@ from pix2pred.learning import (
     load_traces,
     selection_document,
 )
+from pix2pred.parallel import Backend, Workers
 from pix2pred.planning.pddl_write import write_domain, write_problem
 from pix2pred.structs import Predicate, WorldModel
 from pix2pred.structs.documents import UnknownNameError
@@ -46,11 +47,14 @@ def select(
     max_plans: int | None = None,
     node_budget: int | None = None,
     tie_seed: int | None = None,
+    jobs: Annotated[int, Parameter(help="Workers that share the planning searches; the result is the same.")] = 1,
+    backend: Annotated[Backend, Parameter(help="Engine of the workers; dask and ray are extras.")] = Backend.LOKY,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
     """Select predicates and learn operators from labelled demonstrations in a traces file (.json or .json.gz).
 
-    Example: pix2pred select labels.json.gz --out selection.json --pddl pddl
+    Examples: pix2pred select labels.json.gz --out selection.json --pddl pddl
+    pix2pred select labels.json.gz --out selection.json --operators robust --jobs 8
     """
     if out.name == "timings.json" or (out.parent / "config.yaml").exists():
         raise TracesError(f"--out {out}: timings.json beside it would overwrite other results; choose another place")
@@ -69,8 +73,9 @@ def select(
         if score is not None:
             document, scored = _score(traces, settings, score, tie_seeds), 1
         else:
-            climb = hill_climbing(traces.table, settings)
-            selection = climb.run(lambda done, total, name: progress("select", done, total, name))
+            with Workers(jobs, backend).ready() as apply:
+                climb = hill_climbing(traces.table, settings, apply)
+                selection = climb.run(lambda done, total, name: progress("select", done, total, name))
             document, scored = selection_document(selection, settings), selection.scored
     seconds = {"cpu": time.process_time() - cpu, "wall": time.perf_counter() - wall}
     _write(out, document)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,16 +13,18 @@ from pydantic import ValidationError
 from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, out, print_json, print_solved
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
+from pix2pred.film import Film
+from pix2pred.learning.samplers_file import load_samplers
 from pix2pred.pipeline import Settings
 from pix2pred.predicates import Labeller
-from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_vlm, word_truth
+from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_stored, word_truth
 from pix2pred.report import write_report
 from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.runs import MODEL, solve_into
+from pix2pred.runs import MODEL, SAMPLERS, solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.structs.model_file import load_model
-from pix2pred.vlm import AnswerStore, StoredVLM, StoreMode
+from pix2pred.vlm import AnswerStore
 
 
 def solve(
@@ -38,6 +41,7 @@ def solve(
     ] = "portfolio",
     closed_loop: Annotated[bool, Parameter(help="Look after every skill and plan again when needed.")] = False,
     disturb: Annotated[float, Parameter(help="Probability that the scene is disturbed after a skill.")] = 0.0,
+    video: Annotated[Path | None, Parameter(help="MP4 file to film the episodes into (extra: video).")] = None,
     plan_only: Annotated[bool, Parameter(help="Label and plan; execute nothing, need no simulator.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
@@ -59,7 +63,7 @@ def solve(
             raise RegistryError(f"{run}: no simulator is known for these tasks; name one with --domain, or --plan-only")
         if closed_loop or disturb:
             name += ("-closed-loop" if closed_loop else "") + (f"-disturb-{disturb:g}" if disturb else "")
-        summary = run_solving(folder, name, chosen, solver, domain, disturb)
+        summary = run_solving(folder, name, chosen, solver, domain, disturb, video)
         write_report(folder)
     if json:
         print_json(summary)
@@ -78,21 +82,28 @@ def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -
     model = load_model(folder.path / MODEL)
     try:
         settings = Settings.model_validate(config["settings"])
-        vlm = load_vlm(config["vlm"], config["simulator"].get("domain"))
-        answers = Path(config["answers"]) if config["answers"] else folder.path
+        answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
+        vlm = load_stored(config["vlm"], config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
         raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
     if vlm.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {config['vlm']!r} is now {vlm.name}")
-    labeller = Labeller(StoredVLM(vlm, AnswerStore(answers), StoreMode.RESUME), settings.labels)
-    return Solver(model, load_planner(planner), labeller, closed_loop), config
+    labeller = Labeller(vlm, settings.labels)
+    samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
+    return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
 
 
 def run_solving(
-    folder: RunFolder, name: str, tasks: Sequence[SimulatedTask], solver: Solver, domain: str, disturb: float = 0.0
+    folder: RunFolder,
+    name: str,
+    tasks: Sequence[SimulatedTask],
+    solver: Solver,
+    domain: str,
+    disturb: float = 0.0,
+    video: Path | None = None,
 ) -> dict[str, Any]:
-    """Solve with progress bars; gives the summary."""
+    """Solve with progress bars; gives the summary. The episodes are filmed into ``video``."""
     made = load_domain(domain)
 
     def environment_for(task: SimulatedTask) -> tuple[Environment, TruthOf | None]:
@@ -104,10 +115,12 @@ def run_solving(
 
     for task in tasks:
         environment_for(task)  # before anything is asked or executed
-    with bars() as progress:
-        solved = solve_into(
-            folder, name, tasks, solver, environment_for, lambda done, total, text: progress("solve", done, total, text)
-        )
+    with bars() as progress, Film(video) if video else nullcontext() as film:
+
+        def show(done: int, total: int, text: str) -> None:
+            progress("solve", done, total, text)
+
+        solved = solve_into(folder, name, tasks, solver, environment_for, show, film)
     return solved.as_dict()
 
 

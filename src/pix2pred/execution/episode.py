@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from pix2pred.execution.monitor import necessary_atoms
+from pix2pred.execution.parameters import Parameters, executed
 from pix2pred.predicates import Abstraction
 from pix2pred.structs import AbstractState, Action, Atom, ExecutedStep, GroundOperator, PlanResult, PlanStatus
 from pix2pred.structs.environment import Environment, StepStatus
@@ -23,18 +24,19 @@ class Outcome:
 
 
 def actions_of(plan: Sequence[GroundOperator]) -> list[Action]:
-    """The skills a plan executes."""
+    """The skills a plan executes, without continuous parameters."""
     return [Action(step.operator.skill, step.skill_objects) for step in plan]
 
 
-def open_loop(plan: Sequence[GroundOperator], environment: Environment) -> Outcome:
+def open_loop(plan: Sequence[GroundOperator], environment: Environment, parameters: Parameters) -> Outcome:
     """Run the plan's skills one after the other, without looking, until the true goal holds or a skill fails."""
     steps: list[ExecutedStep] = []
     if environment.goal_reached():
         return Outcome(True, None, "", ())
-    for operator, action in zip(plan, actions_of(plan), strict=True):
+    for operator in plan:
+        action, draw = parameters.choose(operator, environment)
         step = environment.execute(action)
-        steps.append(ExecutedStep(str(action), str(operator), step.status, step.detail))
+        steps.append(executed(operator, action, draw, step))
         if environment.goal_reached():
             return Outcome(True, None, "", tuple(steps))
         if step.status != StepStatus.DONE:
@@ -54,7 +56,12 @@ class ClosedLoop:
     max_replans: int = 30
 
     def run(
-        self, plan: Sequence[GroundOperator], seen: AbstractState, abstraction: Abstraction, environment: Environment
+        self,
+        plan: Sequence[GroundOperator],
+        seen: AbstractState,
+        abstraction: Abstraction,
+        environment: Environment,
+        parameters: Parameters,
     ) -> Outcome:
         """Execute ``plan``, made in the state ``seen``, with which ``abstraction`` was started."""
         steps: list[ExecutedStep] = []
@@ -80,9 +87,10 @@ class ClosedLoop:
                 needed = necessary_atoms(plan, self.goal)
             if position == len(plan):
                 return failed(None, "the goal seems to hold but does not")
-            operator, action = plan[position], actions_of(plan)[position]
+            operator = plan[position]
+            action, draw = parameters.choose(operator, environment)
             step = environment.execute(action)
-            steps.append(ExecutedStep(str(action), str(operator), step.status, step.detail))
+            steps.append(executed(operator, action, draw, step))
             if environment.goal_reached():
                 return Outcome(True, None, "", tuple(steps), replans)
             if step.status == StepStatus.HORIZON:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from pix2pred.execution.diagnosis import TruthOf, correct_labels, wrong_labels
 from pix2pred.execution.episode import ClosedLoop, Outcome, actions_of, open_loop
+from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Abstraction, Labeller
 from pix2pred.structs import AbstractState, Atom, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
 from pix2pred.structs.environment import Environment, StepStatus
+from pix2pred.structs.samplers import Sampler
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +20,8 @@ class Solver:
     """Solves tasks with one world model.
 
     ``closed_loop`` looks after every skill and plans again when needed; otherwise one plan is executed open loop, as
-    the paper does in simulation. ``max_skills`` is the longest plan accepted.
+    the paper does in simulation. ``max_skills`` is the longest plan accepted. ``samplers`` choose continuous
+    parameters, by operator; their draws depend on ``seed`` and the task alone.
     """
 
     model: WorldModel
@@ -25,6 +29,8 @@ class Solver:
     labeller: Labeller
     closed_loop: bool = False
     max_skills: int = 200
+    samplers: Mapping[str, Sampler] = field(default_factory=dict)
+    seed: int = 0
 
     def plan(self, task: Task) -> tuple[AbstractState, PlanResult]:
         """What is seen of the initial state, and the plan made from it. Needs no simulator."""
@@ -32,8 +38,17 @@ class Solver:
         seen = self._abstraction(task).start(task.initial)
         return seen, self._plan_from(task, seen)
 
-    def solve(self, task: Task, environment: Environment, truth: TruthOf | None = None) -> Episode:
-        """Plan and execute. ``truth`` knows the true values of visual atoms; it serves only to name a failure."""
+    def solve(
+        self,
+        task: Task,
+        environment: Environment,
+        truth: TruthOf | None = None,
+        announce: Announce = tell_nobody,
+    ) -> Episode:
+        """Plan and execute. ``truth`` knows the true values of visual atoms; it serves only to name a failure.
+
+        ``announce`` is told every step before it is run.
+        """
         environment.reset()
         task = self._in_our_words(task)
         abstraction = self._abstraction(task)
@@ -42,9 +57,9 @@ class Solver:
         outcome = None
         if result.status == PlanStatus.SOLVED and self.closed_loop:
             loop = ClosedLoop(lambda now: self._plan_from(task, now), task.goal)
-            outcome = loop.run(result.plan, seen, abstraction, environment)
+            outcome = loop.run(result.plan, seen, abstraction, environment, self._parameters(task, announce))
         elif result.status == PlanStatus.SOLVED:
-            outcome = open_loop(result.plan, environment)
+            outcome = open_loop(result.plan, environment, self._parameters(task, announce))
         failure: Failure | None = None
         detail, errors = "", tuple[str, ...]()
         if outcome is None or not outcome.goal_reached:
@@ -69,6 +84,9 @@ class Solver:
 
     def _abstraction(self, task: Task) -> Abstraction:
         return Abstraction(task.objects, self.model.predicates, self.labeller)
+
+    def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
+        return Parameters.for_task(self.samplers, self.seed, task, announce)
 
     def _plan_from(self, task: Task, seen: AbstractState) -> PlanResult:
         found = self.planner.plan(self.model.operators, task.objects, seen, task.goal)
@@ -95,6 +113,8 @@ class Solver:
         detail = outcome.detail if outcome else "the goal cannot be reached with the learned operators"
         if outcome and outcome.failure == StepStatus.HORIZON:
             return Failure.HORIZON, detail, ()
+        if outcome and outcome.failure and outcome.steps[-1].sampler:
+            return Failure.SKILL, f"{detail} (parameters from the sampler {outcome.steps[-1].sampler!r})", ()
         environment.reset()
         errors = wrong_labels(truth, seen, task, self.model) if truth else None
         if errors is None:
@@ -104,7 +124,10 @@ class Solver:
         better = self._plan_from(task, correct_labels(seen, errors)) if errors else result
         if better.status not in (PlanStatus.SOLVED, PlanStatus.UNSOLVABLE):
             return Failure.UNDETERMINED, detail, named
-        helps = better.status == PlanStatus.SOLVED and open_loop(better.plan, environment).goal_reached
+        helps = (
+            better.status == PlanStatus.SOLVED
+            and open_loop(better.plan, environment, self._parameters(task)).goal_reached
+        )
         if errors and helps:
             return Failure.WRONG_LABEL, detail, named
         if outcome is None and not errors:

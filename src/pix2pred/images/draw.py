@@ -116,10 +116,11 @@ def _distance(spot: Box, box: Box) -> float:
 
 
 def _draw_leader(draw: ImageDraw.ImageDraw, spot: Box, box: Box) -> None:
-    """A line from a label to its object, unless the label stands right below or above it."""
+    """A line from a label to its object, unless the label stands right below or above it, or on it and it is large."""
     x = spot.center[0]
     under = abs(x - box.center[0]) < box.width / 2 and min(abs(spot.top - box.bottom), abs(spot.bottom - box.top)) < 6
-    if not under:
+    on_it = _overlap(spot, box) > 0 and box.height > 8 * spot.height
+    if not (under or on_it):
         inset = min(6.0, box.width / 4, box.height / 4)
         # the lower edge of an object is what shows when others lie on it
         end = (min(max(x, box.left + inset), box.right - inset), box.bottom - inset)

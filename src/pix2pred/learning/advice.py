@@ -54,7 +54,7 @@ def advise(
 ) -> Advice:
     """The most probable model's predicates and their labels to check; after these come doubts about ``selected``."""
     settings = settings.model_copy(update={"operators": "cluster-and-intersect"})
-    robust = hill_climbing(table, settings.model_copy(update={"operators": "robust"}), pinned).run()
+    robust = hill_climbing(table, settings.model_copy(update={"operators": "robust"}), pinned=pinned).run()
     identical = dict(robust.identical)
     rivals = {p: (p, *identical.get(p, ())) for p in robust.selected}
     timelines = doubted(table, [q for group in rivals.values() for q in group], unusual=True)

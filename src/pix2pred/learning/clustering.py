@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 from pix2pred.learning.data import Data, ObjectIds
 from pix2pred.structs import Type
@@ -29,12 +30,17 @@ class Member:
     objects: ObjectIds
 
 
+@dataclass(slots=True)
+class Memo:
+    """What follows from a class's members alone: the variable of each object, and what holds before, by predicate."""
+
+    variables: list[dict[int, int]] = field(default_factory=list)
+    before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TransitionClass:
-    """Transitions of one skill with the same effects up to renaming; variable i has type ``types[i]``.
-
-    ``lifted_before`` remembers, per predicate, in how many members each lifted atom holds beforehand.
-    """
+    """Transitions of one skill with the same effects up to renaming; variable i has type ``types[i]``."""
 
     skill: int
     types: tuple[Type, ...]
@@ -42,25 +48,40 @@ class TransitionClass:
     add: tuple[Lifted, ...]
     delete: tuple[Lifted, ...]
     members: tuple[Member, ...]
-    lifted_before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+    memo: Memo = field(default_factory=Memo)
 
     @property
     def first(self) -> int:
         """The first transition: classes are ordered by it."""
         return self.members[0].transition
 
+    def variables(self) -> list[dict[int, int]]:
+        """For every member, the variable that an object is bound to."""
+        if not self.memo.variables:
+            self.memo.variables = [{o: v for v, o in enumerate(member.objects)} for member in self.members]
+        return self.memo.variables
+
     def counts_before(self, data: Data, predicate: int) -> dict[tuple[int, ...], int]:
         """In how many members each atom of ``predicate`` over the variables holds before the skill."""
-        if predicate not in self.lifted_before:
-            counts: dict[tuple[int, ...], int] = defaultdict(int)
-            fits = all(any(t.is_a(wanted) for t in self.types) for wanted in data.predicates[predicate].types)
-            for member in self.members if fits else ():
-                number = {o: i for i, o in enumerate(member.objects)}
-                for args in data.before(member.transition, predicate):
-                    if all(o in number for o in args):
-                        counts[tuple(number[o] for o in args)] += 1
-            self.lifted_before[predicate] = dict(sorted(counts.items()))
-        return self.lifted_before[predicate]
+        before = self.memo.before
+        if predicate not in before:
+            counts: dict[tuple[int, ...], int] = {}
+            fitting = [
+                [v for v, t in enumerate(self.types) if t.is_a(wanted)] for wanted in data.predicates[predicate].types
+            ]
+            atoms = list(product(*fitting))
+            for member, variable in zip(self.members, self.variables(), strict=True) if atoms else ():
+                held = data.before(member.transition, predicate)
+                if len(held) <= len(atoms):
+                    found = [tuple([variable.get(o, -1) for o in args]) for args in held]
+                    found = [lifted for lifted in found if -1 not in lifted]
+                else:
+                    objects = member.objects
+                    found = [lifted for lifted in atoms if tuple([objects[v] for v in lifted]) in held]
+                for lifted in found:
+                    counts[lifted] = counts.get(lifted, 0) + 1
+            before[predicate] = dict(sorted(counts.items()))
+        return before[predicate]
 
 
 Partition = tuple[TransitionClass, ...]
@@ -89,57 +110,67 @@ def refine(data: Data, classes: Partition, predicates: Sequence[int], added: int
     return tuple(sorted(refined, key=lambda c: c.first))
 
 
-def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
-    """The parts of ``cls`` by what ``added`` does to its variables.
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """What a predicate does in a transition: ``outside`` are the types of objects that the class has no variable for,
+    numbered after its variables; ``add`` and ``delete`` are argument tuples in these numbers."""
 
-    ``None`` where that does not settle it: when ``added`` changes objects that no variable stands for, or when
-    several variables of one type are bound by effects alone, so that a member's binding is one of several.
+    outside: tuple[Type, ...]
+    add: frozenset[tuple[int, ...]]
+    delete: frozenset[tuple[int, ...]]
+
+
+def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
+    """The parts of ``cls`` by what ``added`` does to its variables and to other objects.
+
+    ``None`` where that does not settle it, because a member's binding is one of several: when several variables of one
+    type are bound by effects alone, or several other objects of one type change.
     """
     free = [t for v, t in enumerate(cls.types) if v not in cls.skill_args]
     if len(set(free)) < len(free):
         return None
-    parts: dict[tuple[frozenset[tuple[int, ...]], ...], list[Member]] = {}
-    for member in cls.members:
-        number = {o: v for v, o in enumerate(member.objects)}
+    parts: dict[_Change, list[Member]] = {}
+    for member, variable in zip(cls.members, cls.variables(), strict=True):
         changes = data.effects(added, member.transition)
-        if any(o not in number for extension in changes for args in extension for o in args):
+        others = {o for extension in changes for args in extension for o in args} - variable.keys()
+        if others:
+            ordered = tuple(sorted(others, key=lambda o: data.objects[o].type.name))
+            variable = variable | {o: len(cls.types) + i for i, o in enumerate(ordered)}
+            member = Member(member.transition, member.objects + ordered)
+        kinds = data.types(member.objects[len(cls.types) :])
+        if len(set(kinds)) < len(kinds):
             return None
-        key = tuple(frozenset(tuple(number[o] for o in args) for args in extension) for extension in changes)
-        parts.setdefault(key, []).append(member)
+        plus, minus = (frozenset([tuple([variable[o] for o in args]) for args in e]) for e in changes)
+        parts.setdefault(_Change(kinds, plus, minus), []).append(member)
     if len(parts) == 1:
-        ((plus, minus),) = parts
-        return (
-            replace(
-                cls,
-                add=cls.add + tuple((added, v) for v in sorted(plus)),
-                delete=cls.delete + tuple((added, v) for v in sorted(minus)),
-            ),
-        )
-    return tuple(_part(data, cls, members, added, *key) for key, members in parts.items())
+        (change,) = parts
+        if not change.outside:
+            return (
+                replace(
+                    cls,
+                    add=cls.add + tuple((added, v) for v in sorted(change.add)),
+                    delete=cls.delete + tuple((added, v) for v in sorted(change.delete)),
+                ),
+            )
+    return tuple(_part(cls, members, added, change) for change, members in parts.items())
 
 
-def _part(
-    data: Data,
-    cls: TransitionClass,
-    members: Sequence[Member],
-    added: int,
-    plus: frozenset[tuple[int, ...]],
-    minus: frozenset[tuple[int, ...]],
-) -> TransitionClass:
+def _part(cls: TransitionClass, members: Sequence[Member], added: int, change: _Change) -> TransitionClass:
     """The class of ``members`` alone, its variables in the order of the first member's object names."""
-    order = sorted(range(len(cls.types)), key=members[0].objects.__getitem__)
+    types = cls.types + change.outside
+    order = sorted(range(len(types)), key=members[0].objects.__getitem__)
     new = {old: v for v, old in enumerate(order)}
 
-    def renumbered(lifted: Iterable[Lifted], more: frozenset[tuple[int, ...]]) -> tuple[Lifted, ...]:
+    def renumbered(lifted: Iterable[Lifted], more: Iterable[tuple[int, ...]]) -> tuple[Lifted, ...]:
         return tuple(sorted((p, tuple(new[v] for v in args)) for p, args in (*lifted, *((added, m) for m in more))))
 
     return TransitionClass(
         cls.skill,
-        tuple(cls.types[old] for old in order),
+        tuple(types[old] for old in order),
         tuple(new[v] for v in cls.skill_args),
-        renumbered(cls.add, plus),
-        renumbered(cls.delete, minus),
-        tuple(Member(m.transition, tuple(m.objects[old] for old in order)) for m in members),
+        renumbered(cls.add, change.add),
+        renumbered(cls.delete, change.delete),
+        tuple(Member(m.transition, tuple([m.objects[old] for old in order])) for m in members),
     )
 
 
@@ -156,7 +187,7 @@ def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) 
         else:
             involved = {o for _, _, objects in effects[t] for o in objects} | {*data.transitions[t].args}
             groups.append([Member(t, tuple(sorted(involved)))])
-    classes = (_lift(data, members, effects) for groups in buckets.values() for members in groups)
+    classes = [_lift(data, members, effects) for groups in buckets.values() for members in groups]
     return tuple(sorted(classes, key=lambda c: c.first))
 
 
@@ -164,9 +195,12 @@ def _effects(data: Data, predicates: Sequence[int], t: int) -> list[Effect]:
     found: list[Effect] = []
     for p in predicates:
         added, deleted = data.effects(p, t)
-        found.extend((p, True, objects) for objects in added)
-        found.extend((p, False, objects) for objects in deleted)
-    return sorted(found)
+        if added:
+            found += [(p, True, objects) for objects in added]
+        if deleted:
+            found += [(p, False, objects) for objects in deleted]
+    found.sort()
+    return found
 
 
 def _invariant(data: Data, t: int, effects: Sequence[Effect]) -> tuple[object, ...]:

@@ -100,7 +100,7 @@ class Data:
     def before(self, transition: int, predicate: int) -> Extension:
         """The extension of ``predicate`` in the state before a transition."""
         tr = self.transitions[transition]
-        return self.extension(tr.demo, tr.step, predicate)
+        return self._extensions[tr.demo][tr.step].get(predicate, NOTHING)
 
     def effects(self, predicate: int, transition: int) -> tuple[Extension, Extension]:
         """(added, deleted) argument tuples of ``predicate`` over a transition."""
@@ -122,8 +122,14 @@ class Data:
             if atom.predicate in self._predicate_ids:
                 args = tuple(self._object_ids[o] for o in atom.objects)
                 columns.setdefault(self._predicate_ids[atom.predicate], []).append((i, args))
-        rows = marked.tolist()
-        return [{p: frozenset(args for i, args in atoms if row[i]) for p, atoms in columns.items()} for row in rows]
+        known: dict[Extension, Extension] = {}  # most extensions are equal to many others: keep one of each
+
+        def extension(row: Sequence[bool], atoms: Sequence[tuple[int, ObjectIds]]) -> Extension:
+            found = frozenset([args for i, args in atoms if row[i]])
+            return known.setdefault(found, found)
+
+        states = ({p: extension(row, atoms) for p, atoms in columns.items()} for row in marked.tolist())
+        return [{p: found for p, found in state.items() if found} for state in states]
 
     def _changes(self, predicate: int) -> dict[int, tuple[Extension, Extension]]:
         return {t: effect for t, tr in enumerate(self.transitions) if any(effect := self._difference(predicate, tr))}

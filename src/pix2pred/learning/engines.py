@@ -8,10 +8,12 @@ from pix2pred.learning.data import Data
 from pix2pred.learning.exact_tree import ExactTree
 from pix2pred.learning.grouped import Grouped
 from pix2pred.learning.learner import ClusterAndIntersect, OperatorLearner
+from pix2pred.learning.objective import Map
 from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
 from pix2pred.learning.robust import Robust
-from pix2pred.learning.selection import HillClimbing, TieRule
+from pix2pred.learning.rules import ClimbingRule, Explained, Published
+from pix2pred.learning.selection import HillClimbing
 from pix2pred.learning.settings import LearningSettings
 from pix2pred.structs import Operator, Predicate, TruthTable
 
@@ -31,10 +33,12 @@ def learn_operators(table: TruthTable, settings: LearningSettings) -> tuple[Oper
     return tuple(to_operator(learner.data, schema) for schema in found)
 
 
-def hill_climbing(table: TruthTable, settings: LearningSettings, pinned: Sequence[Predicate] = ()) -> HillClimbing:
-    """Selection as ``settings`` ask for, from ``pinned`` candidates on."""
-    search, ties = skeleton_search(settings), tie_rule(settings)
-    return HillClimbing(operator_learner(table, settings), settings, search, ties, pinned)
+def hill_climbing(
+    table: TruthTable, settings: LearningSettings, map_: Map = map, pinned: Sequence[Predicate] = ()
+) -> HillClimbing:
+    """Selection as ``settings`` ask for, from ``pinned`` candidates on; ``map_`` may share the searches."""
+    learner = operator_learner(table, settings)
+    return HillClimbing(learner, skeleton_search(settings), climbing_rule(settings), map_, pinned)
 
 
 def skeleton_search(settings: LearningSettings) -> SkeletonSearch:
@@ -44,6 +48,12 @@ def skeleton_search(settings: LearningSettings) -> SkeletonSearch:
     return Grouped(settings.max_plans, settings.node_budget)
 
 
-def tie_rule(settings: LearningSettings) -> TieRule:
-    """Which near-equal candidate wins: the published rule with ``exact-tree``, else within one search node."""
-    return TieRule(0.0 if settings.engine == "exact-tree" else 1.0)
+def climbing_rule(settings: LearningSettings) -> ClimbingRule:
+    """When to stop and what to take: with robust operators nothing to tune, otherwise the published rules.
+
+    Near-equal candidates compete within one search node, except with ``exact-tree``.
+    """
+    if settings.operators == "robust":
+        return Explained()
+    margin = 0.0 if settings.engine == "exact-tree" else 1.0
+    return Published(settings.early_stop, settings.j_threshold, margin)

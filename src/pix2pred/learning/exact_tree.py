@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pix2pred.learning.refinement import UPPER_BOUND, DemoScore, Effort
+from pix2pred.learning.refinement import UNREACHABLE, DemoScore, Effort
 from pix2pred.planning import LMCut, Strips
 
 
@@ -27,7 +27,7 @@ class ExactTree:
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
         """See ``SkeletonSearch``."""
         if task is None:
-            return DemoScore(UPPER_BOUND)
+            return UNREACHABLE
         estimate = LMCut(task)
         tie = np.random.default_rng(self.seed)
         effort = Effort(states, self.max_plans)
@@ -45,7 +45,7 @@ class ExactTree:
             if effort.at_least(nodes) > bound:
                 return DemoScore(effort.at_least(nodes), exact=False)
             if nodes > self.node_budget:
-                return DemoScore(effort.finish(), budget_hit=True)
+                return effort.finish(budget_hit=True)
             for k in task.applicable(state):
                 successor = task.successor(state, k)
                 nodes += 1
@@ -53,4 +53,4 @@ class ExactTree:
                     if not draws:
                         draws = tie.random(1024).tolist()
                     heapq.heappush(queue, (g + 1 + h, draws.pop(), nodes, g + 1, successor))
-        return DemoScore(effort.finish())
+        return effort.finish()

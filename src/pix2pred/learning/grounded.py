@@ -1,17 +1,27 @@
-"""Demonstrations as small planning tasks: grounding learned operators and simplifying (engine, items 1 and 5)."""
+"""Demonstrations as small planning tasks: grounding learned operators and simplifying (engine, items 1 and 5).
+
+Operators with few parameters are grounded once per set of objects, over all of them, and shared by all candidate sets.
+Wrong labels can give operators of eight parameters and more; then only reachable instances are made (engine, item 8).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from math import prod
 
 from pix2pred.learning.clustering import Lifted
 from pix2pred.learning.data import Data, NumberedDemo, ObjectIds
-from pix2pred.learning.operators import Schema
-from pix2pred.planning import Strips
+from pix2pred.learning.operators import Schema, to_operator
+from pix2pred.planning import Strips, ground
+from pix2pred.structs import Atom, Type
 
 GroundBits = tuple[int, int, int]
 """Preconditions, add effects and delete effects of a ground operator, as bits of a scene's facts."""
+
+
+MAX_INSTANCES = 20_000
+"""Operators with more instances over a scene's objects are grounded by reachability."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +38,7 @@ class Scene:
     def __init__(self, data: Data, objects: ObjectIds) -> None:
         self._data = data
         self._objects = objects
+        self._of_type: dict[str, list[int]] = {}
         self._bit: dict[tuple[int, ObjectIds], int] = {}
         self._effects: dict[int, tuple[object, _Grounding]] = {}
         self._complete: dict[tuple[int, tuple[Lifted, ...]], tuple[GroundBits, ...]] = {}
@@ -45,6 +56,10 @@ class Scene:
         for predicate, objects in atoms:
             result |= self.bit(predicate, objects)
         return result
+
+    def instances(self, schema: Schema) -> int:
+        """An upper bound on how many instances ``ground`` gives."""
+        return prod([len(self._domain(t)) for t in schema.cls.types])
 
     def ground(self, schema: Schema) -> tuple[GroundBits, ...]:
         """All instances of ``schema`` over distinct objects of the scene."""
@@ -66,8 +81,12 @@ class Scene:
         return self._effects[id(cls)][1]
 
     def _bindings(self, schema: Schema) -> Iterator[ObjectIds]:
-        domains = [[o for o in self._objects if self._data.objects[o].type.is_a(t)] for t in schema.cls.types]
-        yield from _injections(domains, ())
+        yield from _injections([self._domain(t) for t in schema.cls.types], ())
+
+    def _domain(self, t: Type) -> list[int]:
+        if t.name not in self._of_type:
+            self._of_type[t.name] = [o for o in self._objects if self._data.objects[o].type.is_a(t)]
+        return self._of_type[t.name]
 
     def _lifted(self, atoms: Sequence[Lifted], binding: ObjectIds) -> int:
         result = 0
@@ -153,6 +172,29 @@ class _Compactor:
                 rest ^= low
             self._known[value] = result
         return self._known[value]
+
+
+def ground_task(
+    data: Data, scene: Scene, d: int, operators: Sequence[Schema], predicates: Iterable[int]
+) -> Strips | None:
+    """The relevant part of demonstration ``d`` as a planning task over ``predicates``.
+
+    Raises ``GroundingBudgetError`` when too many instances are reachable.
+    """
+    if all(scene.instances(schema) <= MAX_INSTANCES for schema in operators):
+        instances = [bits for schema in operators for bits in scene.ground(schema)]
+        return relevant_task(instances, *initial_and_goal(data, scene, d, predicates))
+    demo = data.demos[d]
+
+    def atom(predicate: int, objects: ObjectIds) -> Atom:
+        return Atom(data.predicates[predicate], tuple(data.objects[o] for o in objects))
+
+    initial = frozenset(atom(p, objects) for p in predicates for objects in data.extension(d, 0, p))
+    named = [to_operator(data, schema) for schema in operators]
+    objects = [data.objects[o] for o in demo.objects]
+    task = ground(named, objects, initial, [atom(*fact) for fact in demo.goal])
+    reachable = zip(task.strips.pre, task.strips.add, task.strips.delete, strict=True)
+    return relevant_task(tuple(reachable), task.strips.initial, task.strips.goal) if task.goal_reachable else None
 
 
 def initial_and_goal(data: Data, scene: Scene, index: int, predicates: Iterable[int]) -> tuple[int, int]:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pix2pred.learning.refinement import UPPER_BOUND, DemoScore, Effort
+from pix2pred.learning.refinement import UNREACHABLE, DemoScore, Effort
 from pix2pred.planning import LMCut, Strips
 
 Counts = dict[int, float]
@@ -63,7 +63,7 @@ class Grouped:
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
         """See ``SkeletonSearch``."""
         if task is None:
-            return DemoScore(UPPER_BOUND)
+            return UNREACHABLE
         search = _GroupedSearch(task)
         effort = Effort(states, self.max_plans)
         while search.plateaus:
@@ -73,17 +73,17 @@ class Grouped:
             if effort.at_least(search.nodes) > bound:
                 return DemoScore(effort.at_least(search.nodes), exact=False)
             if search.nodes > self.node_budget:
-                return DemoScore(effort.finish(), budget_hit=True)
+                return effort.finish(budget_hit=True)
             start = search.nodes
             plateau = search.expand(f, self.node_budget)
             if plateau is None:
-                return DemoScore(effort.finish(), budget_hit=True)
+                return effort.finish(budget_hit=True)
             if plateau.goals:
                 first = start + plateau.nodes_at_first_goal()
                 if first > self.node_budget:
-                    return DemoScore(effort.finish(), budget_hit=True)
+                    return effort.finish(budget_hit=True)
                 self._account(effort, f + 1, sum(plateau.goals.values()), first, search.nodes)
-        return DemoScore(effort.finish())
+        return effort.finish()
 
     def _account(self, effort: Effort, states: int, goals: float, first: float, last: float) -> None:
         """Feed ``goals`` skeletons to ``effort``, found evenly between ``first`` and ``last`` created nodes."""

@@ -36,6 +36,14 @@ class OperatorLearner(Protocol):
         """The operators of ``classes``."""
         ...
 
+    def price(self, candidate: int) -> float:
+        """What a candidate costs, doubts about its labels included: the cheaper of two that serve alike is taken."""
+        ...
+
+    def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
+        """How badly the operators learned with ``chosen`` account for the labels of the last of them."""
+        ...
+
 
 class ClusterAndIntersect:
     """The published learner: equal effects, soft intersection of preconditions, rare classes dropped (method 5)."""
@@ -56,3 +64,16 @@ class ClusterAndIntersect:
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
         """See ``OperatorLearner``."""
         return schemas(self.data, classes, predicates, self._settings)
+
+    def price(self, candidate: int) -> float:
+        """See ``OperatorLearner``."""
+        return self.data.cost(candidate)
+
+    def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
+        """Transitions of dropped classes and members in which a precondition over the last candidate does not hold."""
+        kept = self.schemas(classes, (*range(self.data.initial), *chosen))
+        count = len(self.data.transitions) - sum(len(s.cls.members) for s in kept)
+        for schema in kept:
+            before = schema.cls.counts_before(self.data, chosen[-1])
+            count += sum(len(schema.cls.members) - before[v] for p, v in schema.pre if p == chosen[-1])
+        return count

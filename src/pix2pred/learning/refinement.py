@@ -21,10 +21,12 @@ BACKTRACK = 1000.0
 class DemoScore:
     """J_d, or a lower bound on it when the search was stopped early (``exact`` False).
 
+    ``charges`` is the part of J_d that is not nodes: back-tracks, and the charge for finding no right skeleton.
     ``budget_hit`` tells that the node budget ended the search.
     """
 
     value: float
+    charges: float = 0.0
     exact: bool = True
     budget_hit: bool = False
 
@@ -47,6 +49,7 @@ class Effort:
     states: int
     max_plans: int
     total: float = 0.0
+    charges: float = 0.0
     left: float = 1.0
     count: int = 0
 
@@ -57,7 +60,9 @@ class Effort:
     def skeleton(self, states: int, nodes: float) -> None:
         """Account for the next skeleton, found when ``nodes`` nodes had been created."""
         q = self.refinability(states)
-        self.total += self.left * q * (nodes + (BACKTRACK if self.count else 0.0))
+        charge = self.left * q * (BACKTRACK if self.count else 0.0)
+        self.total += self.left * q * nodes + charge
+        self.charges += charge
         self.left *= 1 - q
         self.count += 1
 
@@ -71,6 +76,12 @@ class Effort:
         """A lower bound on J_d: whatever skeleton comes next, ``nodes`` nodes were created before it."""
         return self.total + self.left * min(nodes, UPPER_BOUND)
 
-    def finish(self) -> float:
-        """J_d once no further skeleton comes."""
-        return self.total + self.left * UPPER_BOUND
+    def finish(self, budget_hit: bool = False) -> DemoScore:
+        """J_d once no further skeleton comes. What a search that ran out of nodes did not find is charged as
+        nodes: it says nothing about the model."""
+        rest = self.left * UPPER_BOUND
+        return DemoScore(self.total + rest, self.charges + (0.0 if budget_hit else rest), budget_hit=budget_hit)
+
+
+UNREACHABLE = DemoScore(UPPER_BOUND, UPPER_BOUND)
+"""What a demonstration costs whose goal cannot be reached."""

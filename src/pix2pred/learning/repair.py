@@ -35,7 +35,7 @@ PRIOR_LABELS = 20.0
 """How many labels the pooled error rate counts for in the estimate of one predicate's."""
 
 ROUNDS_FREE = 6
-CELLS = 1 << 21
+CELLS = 1 << 18
 """Labels treated at a time, which bounds memory."""
 
 EXPECTED = float(np.log(19))
@@ -161,7 +161,7 @@ class _Chains:
     owner: Ints
     where: list[tuple[int, ObjectIds]]
     labels: NDArray[np.int8]
-    places: Ints
+    places: NDArray[np.int32]
 
 
 def _blocks(data: Data, places: _Places, noisy: Sequence[int]) -> Iterator[_Chains]:
@@ -183,7 +183,7 @@ def _chains(data: Data, places: _Places, rows: Sequence[tuple[int, int, ObjectId
     predicates = sorted({p for p, _, _ in rows})
     number = {p: i for i, p in enumerate(predicates)}
     labels = np.full((len(rows), states), -1, dtype=np.int8)
-    where = np.zeros((len(rows), max(states - 1, 0)), dtype=np.int64)
+    where = np.zeros((len(rows), max(states - 1, 0)), dtype=np.int32)
     index = {row: i for i, row in enumerate(rows)}
     for i, (_, d, args) in enumerate(rows):
         labels[i, : data.demos[d].states] = 0
@@ -205,7 +205,7 @@ class _Model:
     def __init__(self, chains: _Chains, kin: Ints, guess: float) -> None:
         self._chains = chains
         self._guess = guess
-        self._kin = kin
+        self._member: Floats = (kin[:, None] == np.arange(kin.max() + 1)).astype(float)
         n, places = len(chains.predicates), len(kin)
         self.rates: Floats = np.full(n, guess)
         self._up: Floats = np.full((n, places), 0.2)
@@ -283,9 +283,7 @@ class _Model:
 
     def _of_kin(self, counts: Floats) -> Floats:
         """Counts summed over places of the same kin, at each of these places."""
-        pooled = np.zeros((*counts.shape[:-1], int(self._kin.max()) + 1))
-        np.add.at(pooled, (..., self._kin), counts)
-        return pooled[..., self._kin]
+        return np.asarray(counts @ self._member @ self._member.T)
 
     def _settle(self, counts: Floats, choices: int) -> None:
         """Choose among the first ``choices`` effects at every place by penalised likelihood."""
@@ -307,12 +305,13 @@ class _Model:
         slip = np.maximum(SLIP, self.rates)[:, None]
         miss, hit = np.log(slip), np.log(1 - slip)
         penalty = 0.5 * np.log(counts.sum((0, 1)) + 1)
-        return np.stack([
+        scores: Floats = np.stack([
             (rise + fall) * miss + (stay0 + stay1) * hit,
             (stay0 + fall) * miss + (rise + stay1) * hit - penalty - 1,
             (stay1 + rise) * miss + (fall + stay0) * hit - penalty - 1,
             _log_likelihood(stay0, rise) + _log_likelihood(stay1, fall) - 2 * penalty - 3,
         ])  # fmt: skip
+        return scores
 
     def _settle_before(self) -> None:
         """Where an atom is always, or never, true before a transition, as far as its wrong labels allow to say (BIC).
@@ -324,7 +323,8 @@ class _Model:
         index, size = self._index.ravel(), self._before.size
 
         def by_place(values: Floats) -> Floats:
-            return np.bincount(index, values.ravel(), size)
+            sums: Floats = np.bincount(index, values.ravel(), size).astype(np.float64)
+            return sums
 
         total = by_place(np.ones_like(true))
         share = by_place(true) / np.maximum(total, 1)
@@ -370,4 +370,5 @@ class _Model:
 def _log_likelihood(a: Floats, b: Floats) -> Floats:
     """Maximal log-likelihood of ``a`` and ``b`` (expected) outcomes of two kinds."""
     n = np.maximum(a + b, 1e-9)
-    return np.asarray(a * np.log(np.maximum(a, 1e-9) / n) + b * np.log(np.maximum(b, 1e-9) / n))
+    likelihood: Floats = a * np.log(np.maximum(a, 1e-9) / n) + b * np.log(np.maximum(b, 1e-9) / n)
+    return likelihood

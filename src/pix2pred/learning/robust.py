@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.learning.clustering import Lifted, Partition, TransitionClass, partition
+from pix2pred.learning.clustering import Lifted, Memo, Partition, TransitionClass, partition
 from pix2pred.learning.data import Data
 from pix2pred.learning.operators import Schema
 from pix2pred.learning.repair import ADD, DELETE, MIXED, repair
@@ -29,6 +29,10 @@ CONFIDENT = 1e-4
 
 UNRELIABLE = 0.2
 """Candidates whose labels are wrong more often are not considered: at test time they would be wrong as often."""
+
+
+DOUBT = 50.0
+"""Price of wrong labels, in arguments: two in a hundred weigh as much as one argument more."""
 
 
 class Robust:
@@ -85,10 +89,18 @@ class Robust:
                 add=(*cls.add, *add, *((p, v) for v, c in zip(mixed, change, strict=True) if c > 0)),
                 delete=(*cls.delete, *delete, *((p, v) for v, c in zip(mixed, change, strict=True) if c < 0)),
                 members=tuple(cls.members[i] for i in members),
-                lifted_before={},
+                memo=Memo(),
             )
             for change, members in parts.items()
         ]
+
+    def price(self, candidate: int) -> float:
+        """See ``OperatorLearner``."""
+        return self.data.cost(candidate) + DOUBT * self._repaired.surprise[candidate]
+
+    def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
+        """See ``OperatorLearner``. The labels of a candidate are explained as well as they ever will be."""
+        return self._repaired.surprise[chosen[-1]]
 
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
         """See ``OperatorLearner``."""

@@ -6,12 +6,11 @@ import heapq
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning.clustering import Partition
 from pix2pred.learning.learner import OperatorLearner
-from pix2pred.learning.objective import Objective, Score
+from pix2pred.learning.objective import Map, Objective, Request, Score
 from pix2pred.learning.operators import to_operator
 from pix2pred.learning.refinement import SkeletonSearch
-from pix2pred.learning.settings import LearningSettings
+from pix2pred.learning.rules import ClimbingRule, Scored
 from pix2pred.structs import Operator, Predicate
 
 Progress = Callable[[int, int, str], None]
@@ -49,7 +48,6 @@ class Selection:
 
     selected: tuple[Predicate, ...]
     dropped: tuple[Predicate, ...]
-    pinned: tuple[Predicate, ...]
     operators: tuple[Operator, ...]
     steps: tuple[Step, ...]
     identical: tuple[tuple[Predicate, tuple[Predicate, ...]], ...]
@@ -57,52 +55,11 @@ class Selection:
     scored: int
     searches: int
     budget_hits: int
+    pinned: tuple[Predicate, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class TieRule:
-    """Which of several near-equal candidates wins: those within ``margin`` of the smallest J compete.
-
-    ``margin`` 0 is the published rule, strict minimum, first by name.
-    """
-
-    margin: float
-
-    def choose(self, learner: OperatorLearner, scored: Sequence[_Scored]) -> _Scored:
-        """The winner: cheapest, then best explained by its own operators, then first by name.
-
-        A visual predicate costs its number of arguments; feature and quantified predicates cost more.
-        """
-        smallest = min(s.score.total for s in scored)
-        rivals = [s for s in scored if s.score.total <= smallest + self.margin]
-        if self.margin == 0 or len(rivals) == 1:
-            return rivals[0]
-        return min(rivals, key=lambda s: (learner.data.cost(s.predicate), _disagreements(learner, s)))
-
-
-@dataclass(frozen=True, slots=True)
-class _Scored:
-    """A candidate added to the current set, with the refined partition and its score."""
-
-    predicate: int
-    chosen: tuple[int, ...]
-    classes: Partition
-    score: Score
-
-
-def _disagreements(learner: OperatorLearner, candidate: _Scored) -> int:
-    """Labels that the operators learned with a candidate do not account for.
-
-    Counts transitions of dropped classes and members in which a precondition over the candidate does not hold.
-    """
-    data = learner.data
-    predicates = (*range(data.initial), *candidate.chosen)
-    kept = learner.schemas(candidate.classes, predicates)
-    count = len(data.transitions) - sum(len(s.cls.members) for s in kept)
-    for schema in kept:
-        before = schema.cls.counts_before(data, candidate.predicate)
-        count += sum(len(schema.cls.members) - before[v] for p, v in schema.pre if p == candidate.predicate)
-    return count
+BATCH = 8
+"""Candidates taken to their next demonstration at a time."""
 
 
 class HillClimbing:
@@ -111,17 +68,16 @@ class HillClimbing:
     def __init__(
         self,
         learner: OperatorLearner,
-        settings: LearningSettings,
         search: SkeletonSearch,
-        ties: TieRule,
+        rule: ClimbingRule,
+        map_: Map = map,
         pinned: Sequence[Predicate] = (),
     ) -> None:
         self._learner = learner
-        self._settings = settings
-        self._ties = ties
+        self._rule = rule
         self._data = learner.data
         self._pinned = tuple(sorted(self._data.predicates.index(p) for p in pinned))
-        self._objective = Objective(learner, search)
+        self._objective = Objective(learner, search, map_)
         self._representatives = self._distinct_columns()
         self._evaluations = self._scored = self._budget_hits = 0
 
@@ -130,23 +86,23 @@ class HillClimbing:
         data = self._data
         classes = self._learner.partition((*range(data.initial), *self._pinned))
         score = self._objective.score(self._pinned, classes)
-        current = _Scored(-1, self._pinned, classes, score)
+        current = Scored(-1, self._pinned, classes, score)
         self._evaluations = self._scored = 1
         self._budget_hits = score.budget_hits
         steps = [Step(None, score.total, score.demos, ())]
-        while not self._stop(current.score.total):
+        while not self._rule.finished(current.score):
             scored = self._expand(current, progress)
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
                 break
-            best = self._ties.choose(self._learner, better)
-            if self._insufficient(current.score.total - best.score.total):
+            best = self._rule.choose(self._learner, better)
+            if not self._rule.worthwhile(current.score, best.score):
                 break
             current = best
             others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
             runners_up = tuple(RunnerUp(data.predicates[s.predicate], s.score.total, s.score.exact) for s in others)
             steps.append(Step(data.predicates[best.predicate], best.score.total, best.score.demos, runners_up))
-        return self._finish(current.chosen, steps)
+        return self._finish(current.chosen, self._without_superseded(current), steps)
 
     def score(self, chosen: Sequence[Predicate]) -> Score:
         """J of a given set of candidates. Raises ``ValueError`` for one that is never true, thus no candidate."""
@@ -157,27 +113,21 @@ class HillClimbing:
         classes = self._learner.partition((*range(self._data.initial), *numbers))
         return self._objective.score(numbers, classes)
 
-    def _stop(self, current: float) -> bool:
-        return self._settings.early_stop == "level" and current <= self._settings.j_threshold
-
-    def _insufficient(self, improvement: float) -> bool:
-        """Under the improvement rule the last candidate, which buys too little, is not added (method 14.2)."""
-        return self._settings.early_stop == "improvement" and improvement <= self._settings.j_threshold
-
     def _distinct_columns(self) -> dict[int, list[int]]:
-        """The cheapest candidate (first by name) of every distinct truth column, with the others that share it."""
+        """The cheapest (then most reliable, then first) candidate of every truth column, with others that share it."""
         by_column: dict[tuple[object, ...], list[int]] = {}
         everything = range(self._data.initial, len(self._data.predicates))
         candidates = [p for p in everything if p not in self._learner.unreliable or p in self._pinned]
-        for p in sorted(candidates, key=lambda p: (p not in self._pinned, self._data.cost(p))):
+        for p in sorted(candidates, key=lambda p: (p not in self._pinned, self._learner.price(p))):
             by_column.setdefault(self._data.column(p), []).append(p)
         return {members[0]: members[1:] for members in sorted(by_column.values())}
 
-    def _expand(self, current: _Scored, progress: Progress) -> list[_Scored]:
+    def _expand(self, current: Scored, progress: Progress) -> list[Scored]:
         """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.
 
-        The set with the smallest sum so far is taken to the next demonstration, the easiest one first, until no
-        sum can come within the tie margin of the best any more (engine, item 6, best-first).
+        The sets with the smallest sums so far are taken to the next demonstration, the easiest one first, until no
+        sum can compete with the best any more (engine, item 6, best-first). They are taken in batches of a fixed size,
+        which workers may share, so that results do not depend on the number of workers.
         """
         data = self._data
         order = sorted(range(len(data.demos)), key=lambda d: current.score.demos[d] or 0.0)
@@ -191,27 +141,44 @@ class HillClimbing:
         queue = [(part.total, i, 0) for i, part in enumerate(sums)]
         heapq.heapify(queue)
         bound = current.score.total
-        while queue and queue[0][0] <= bound:
-            _, i, position = heapq.heappop(queue)
-            progress(len(candidates) - len(queue), len(candidates), data.predicates[candidates[i]].name)
-            if position == len(order):
-                bound = min(bound, sums[i].total + self._ties.margin)
-                continue
-            d = order[position]
-            sums[i].add(d, self._objective.score_demo(sums[i], d, bound - sums[i].total))
-            if sums[i].exact:
-                heapq.heappush(queue, (sums[i].total, i, position + 1))
+        while True:
+            batch: list[tuple[int, int]] = []
+            while queue and queue[0][0] <= bound and len(batch) < BATCH:
+                _, i, position = heapq.heappop(queue)
+                if position == len(order):
+                    bound = min(bound, self._rule.ceiling(sums[i].total))
+                else:
+                    batch.append((i, position))
+            if not batch:
+                break
+            requests = [Request(sums[i], order[position], bound - sums[i].total) for i, position in batch]
+            for (i, position), score in zip(batch, self._objective.score_demos(requests), strict=True):
+                sums[i].add(order[position], score)
+                if sums[i].exact:
+                    heapq.heappush(queue, (sums[i].total, i, position + 1))
+            progress(len(candidates) - len(queue), len(candidates), data.predicates[candidates[batch[-1][0]]].name)
         progress(len(candidates), len(candidates), "")
         self._scored += len(candidates)
         self._evaluations += sum(1 + len(self._representatives[p]) for p in candidates)
         self._budget_hits += sum(part.budget_hits for part in sums)
         return [
-            _Scored(p, (*current.chosen, p), classes, part.score())
+            Scored(p, (*current.chosen, p), classes, part.score())
             for p, classes, part in zip(candidates, refined, sums, strict=True)
         ]
 
-    def _finish(self, chosen: Sequence[int], steps: Sequence[Step]) -> Selection:
-        """Drop predicates that are no precondition, then learn the final operators (method 6.3)."""
+    def _without_superseded(self, reached: Scored) -> Sequence[int]:
+        """The chosen predicates without those that later ones made superfluous, as far as the rule looks back."""
+        kept = reached.chosen
+        added = reached.chosen[len(self._pinned) :]
+        for p in added[:-1] if self._rule.looks_back else ():
+            fewer = tuple(q for q in kept if q != p)
+            classes = self._learner.partition((*range(self._data.initial), *fewer))
+            if self._rule.as_good(self._objective.score(fewer, classes), reached.score):
+                kept = fewer
+        return kept
+
+    def _finish(self, chosen: Sequence[int], needed: Sequence[int], steps: Sequence[Step]) -> Selection:
+        """Drop predicates that are not needed or no precondition, then learn the final operators (method 6.3)."""
         data = self._data
 
         def learn(numbers: Sequence[int]) -> tuple[Operator, ...]:
@@ -219,12 +186,11 @@ class HillClimbing:
             found = self._learner.schemas(self._learner.partition(predicates), predicates)
             return tuple(to_operator(data, schema) for schema in found)
 
-        used = {atom.predicate for op in learn(chosen) for atom in op.preconditions}
-        kept = [p for p in chosen if data.predicates[p] in used or p in self._pinned]
+        used = {atom.predicate for op in learn(needed) for atom in op.preconditions}
+        kept = [p for p in needed if data.predicates[p] in used or p in self._pinned]
         return Selection(
             tuple(data.predicates[p] for p in kept),
             tuple(data.predicates[p] for p in chosen if p not in kept),
-            tuple(data.predicates[p] for p in self._pinned),
             learn(kept),
             tuple(steps),
             tuple(
@@ -234,4 +200,5 @@ class HillClimbing:
             self._scored,
             self._objective.searches,
             self._budget_hits,
+            tuple(data.predicates[p] for p in self._pinned),
         )

@@ -11,7 +11,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -69,6 +69,8 @@ class TraceDemoDoc(Document):
     actions: tuple[tuple[str, ...], ...]
     states: tuple[tuple[tuple[str, ...], ...], ...]
     unknown: tuple[tuple[tuple[str, ...], ...], ...] | None = None
+    confidence: tuple[tuple[tuple[tuple[str, ...], Annotated[float, Field(ge=0, le=1)]], ...], ...] | None = None
+    """Per state, atoms with the probability of their label, where one is known."""
 
 
 class TracesDoc(Document):
@@ -178,6 +180,8 @@ class _Builder:
             )
         if doc.unknown is not None and len(doc.unknown) != len(doc.states):
             raise TracesError(f"{self._path}: {here}.unknown: must have one entry per state")
+        if doc.confidence is not None and len(doc.confidence) != len(doc.states):
+            raise TracesError(f"{self._path}: {here}.confidence: must have one entry per state")
         actions = tuple(self._action(f"{here}.actions[{i}]", parts, objects) for i, parts in enumerate(doc.actions))
         goal = tuple(self._atom(f"{here}.goal[{i}]", parts, objects) for i, parts in enumerate(doc.goal))
         for i, atom in enumerate(goal):
@@ -185,14 +189,29 @@ class _Builder:
                 raise TracesError(f"{self._path}: {here}.goal[{i}]: {atom} is not over a given predicate")
         held = self._listed(f"{here}.states", doc.states, objects)
         unknown = self._listed(f"{here}.unknown", doc.unknown or ((),) * len(doc.states), objects)
-        atoms = tuple(sorted(set().union(*held, *unknown)))
+        sure = [
+            {self._atom(f"{here}.confidence[{t}][{i}]", parts, objects): p for i, (parts, p) in enumerate(state)}
+            for t, state in enumerate(doc.confidence or ())
+        ]
+        atoms = tuple(sorted(set().union(*held, *unknown, *sure)))
         column = {a: i for i, a in enumerate(atoms)}
         values = np.full((len(held), len(atoms)), FALSE, dtype=np.int8)
         for t in range(len(held)):
             values[t, [column[a] for a in held[t]]] = TRUE
             values[t, [column[a] for a in unknown[t]]] = UNKNOWN
+        confidence = np.full(values.shape, np.nan, dtype=np.float32)
+        for t, state in enumerate(sure):
+            confidence[t, [column[a] for a in state]] = list(state.values())
         name = doc.name or f"demo-{d}"
-        return LabelledDemo(name, tuple(sorted(objects.values())), actions, tuple(sorted(goal)), atoms, values)
+        return LabelledDemo(
+            name,
+            tuple(sorted(objects.values())),
+            actions,
+            tuple(sorted(goal)),
+            atoms,
+            values,
+            confidence if sure else None,
+        )  # fmt: skip
 
     def _listed(
         self, where: str, states: Sequence[Sequence[Sequence[str]]], objects: Mapping[str, Object]
@@ -246,6 +265,11 @@ def _demo_doc(demo: LabelledDemo) -> dict[str, Any]:
     }
     if (demo.values == UNKNOWN).any():
         doc["unknown"] = rows(UNKNOWN)
+    if demo.confidence is not None:
+        doc["confidence"] = [
+            [[_parts(demo.atoms[i]), round(float(row[i]), 4)] for i in np.flatnonzero(np.isfinite(row))]
+            for row in demo.confidence
+        ]
     return doc
 
 

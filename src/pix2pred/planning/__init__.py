@@ -1,6 +1,7 @@
 """Grounding, heuristics and search: from operators and a goal to a plan."""
 
 from pix2pred.planning.astar import AStar
+from pix2pred.planning.bounded import Bounded
 from pix2pred.planning.external import ExternalPlanner, ExternalPlannerError
 from pix2pred.planning.ff import FF
 from pix2pred.planning.greedy import GreedyBestFirst
@@ -14,6 +15,7 @@ from pix2pred.planning.validate import is_valid
 __all__ = [
     "FF",
     "AStar",
+    "Bounded",
     "ExternalPlanner",
     "ExternalPlannerError",
     "GreedyBestFirst",

@@ -1,10 +1,12 @@
 """From pictures to symbols: proposing, labelling, and feature predicates."""
 
 from pix2pred.predicates.abstraction import Abstraction
+from pix2pred.predicates.asking import READ, Gap
 from pix2pred.predicates.corrections import CORRECTIONS, Corrections, CorrectionsError, load_corrections
 from pix2pred.predicates.evidence import EVIDENCE, EvidenceError, dump_evidence
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
-from pix2pred.predicates.label import READ, Labeller, LabelSettings, StateLabels, UnusableAnswersError
+from pix2pred.predicates.label import Labeller, StateLabels, Step, UnusableAnswersError
+from pix2pred.predicates.label_settings import LabelSettings
 from pix2pred.predicates.propose import (
     EmptyProposalError,
     Proposal,
@@ -25,6 +27,7 @@ __all__ = [
     "CorrectionsError",
     "EmptyProposalError",
     "EvidenceError",
+    "Gap",
     "GrammarSettings",
     "LabelSettings",
     "Labeller",
@@ -34,6 +37,7 @@ __all__ = [
     "ProposedAtom",
     "Rejection",
     "StateLabels",
+    "Step",
     "UnusableAnswersError",
     "dump_evidence",
     "feature_predicates",

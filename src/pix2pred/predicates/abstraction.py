@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pix2pred.predicates.asking import READ
 from pix2pred.predicates.initial import is_asked, local_values
-from pix2pred.predicates.label import READ, Labeller, StateLabels, UnusableAnswersError
+from pix2pred.predicates.label import Labeller, StateLabels, Step, UnusableAnswersError
 from pix2pred.predicates.table import ground_atoms
 from pix2pred.structs import TRUE, AbstractState, Action, Atom, Object, Predicate, State
 
@@ -32,7 +33,7 @@ class Abstraction:
         state = self._in_our_words(state)
         self._states, self._actions = [state], []
         if self._asked:
-            self._labels = self._labeller.first(state, self._objects, self._asked)
+            self._labels = self._labeller.first(state, self._objects, self._asked, about="episode, state 0")
             if not self._labels.counts[READ]:
                 raise UnusableAnswersError.after(self._labeller.vlm.name, [self._labels])
         return self._held()
@@ -44,10 +45,9 @@ class Abstraction:
         self._states.append(state)
         self._actions.append(action)
         if self._asked:
-            t = len(self._actions)
-            self._labels = self._labeller.next(
-                before, state, t, action, self._objects, self._labels, self._asked, double_check=False
-            )
+            step = Step(before, state, len(self._actions), action, self._labels)
+            about = f"episode, state {step.t}"
+            self._labels = self._labeller.next(step, self._objects, self._asked, double_check=False, about=about)
         return self._held()
 
     def _in_our_words(self, state: State) -> State:

@@ -192,16 +192,22 @@ class Corrections:
         demo = self._relabelled(demo, predicates)
         column = {(a.predicate.name, a.objects): i for i, a in enumerate(demo.atoms)}
         values = demo.values.copy()
+        confidence = None if demo.confidence is None else demo.confidence.copy()
         for (name, objects), i in column.items():
             target = column.get((kept[name], objects)) if name in kept else None
             if target is not None:
                 unsure = values[:, target] == UNKNOWN
                 values[unsure, target] = values[unsure, i]
+                if confidence is not None:
+                    confidence[unsure, target] = confidence[unsure, i]
         atoms = [(Atom(final[a.predicate.name], a.objects), i) for i, a in enumerate(demo.atoms) if _in(a, final)]
         atoms.sort(key=lambda pair: pair[0])
         columns = [i for _, i in atoms]
-        return LabelledDemo(
-            demo.name, demo.objects, demo.actions, demo.goal, tuple(a for a, _ in atoms), values[:, columns]
+        return replace(
+            demo,
+            atoms=tuple(a for a, _ in atoms),
+            values=values[:, columns],
+            confidence=None if confidence is None else confidence[:, columns],
         )
 
     def _relabelled(self, demo: LabelledDemo, predicates: dict[str, Predicate]) -> LabelledDemo:
@@ -224,9 +230,12 @@ class Corrections:
         demo = with_atoms(demo, where.values())
         column = {atom: i for i, atom in enumerate(demo.atoms)}
         values = demo.values.copy()
+        confidence = None if demo.confidence is None else demo.confidence.copy()
         for (_, state, parts), label in mine.items():
             values[state, column[where[parts]]] = VALUES[label]
-        return replace(demo, values=values)
+            if confidence is not None:
+                confidence[state, column[where[parts]]] = np.nan  # it was the model's, about its own label
+        return replace(demo, values=values, confidence=confidence)
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,8 +254,13 @@ def with_atoms(demo: LabelledDemo, atoms: Iterable[Atom]) -> LabelledDemo:
     ordered = tuple(sorted((*demo.atoms, *new)))
     column = {atom: i for i, atom in enumerate(ordered)}
     values = np.full((len(demo.actions) + 1, len(ordered)), FALSE, dtype=np.int8)
-    values[:, [column[a] for a in demo.atoms]] = demo.values
-    return replace(demo, atoms=ordered, values=values)
+    old = [column[a] for a in demo.atoms]
+    values[:, old] = demo.values
+    confidence = None
+    if demo.confidence is not None:
+        confidence = np.full(values.shape, np.nan, dtype=np.float32)
+        confidence[:, old] = demo.confidence
+    return replace(demo, atoms=ordered, values=values, confidence=confidence)
 
 
 def load_corrections(path: Path) -> Corrections:

@@ -7,6 +7,7 @@ are off in every published configuration.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -27,11 +28,15 @@ class GrammarSettings(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class _Entry:
-    """An expression of the stream with its canonical name and cost."""
+    """An expression of the stream with its canonical name and cost.
+
+    ``repeats``: an earlier inequality, or the same wrapping of it, is true of the same objects in the same states.
+    """
 
     expression: Expression
     name: str
     cost: float
+    repeats: bool
 
 
 def feature_predicates(
@@ -44,6 +49,8 @@ def feature_predicates(
     for entry in _stream(demos, types):
         if entry.cost >= settings.max_cost or len(kept) >= settings.max_candidates:
             break
+        if entry.repeats:
+            continue
         argument_types = arguments(entry.expression, table)
         truth = frozenset(_true_arguments(entry.expression, argument_types, demos))
         if truth not in seen:
@@ -65,23 +72,42 @@ def _true_arguments(
 
 def _stream(demos: Sequence[Demo], types: Sequence[Type]) -> Iterator[_Entry]:
     """Every inequality followed by its wrappings (4.1, 4.2)."""
+    table = {t.name: t for t in types}
     ranges = _ranges([s for demo in demos for s in demo.states], types)
     if not ranges:
         return
+    values = {(name, feature): _values(demos, table[name], feature) for name, feature, _, _ in ranges}
+    split: set[tuple[str, str, int]] = set()
     for index, (fraction, cost) in enumerate(dyadic_constants()):
         for type_name, feature, low, high in ranges:
             bound = low + fraction * (high - low)
             name = f"((0:{type_name}).{feature}<=[idx {index}]{bound:.3g})"
-            yield from _wrapped(_Entry(AtMost(type_name, feature, bound), name, 1 + cost), type_name)
+            below = bisect_right(values[type_name, feature], bound)
+            repeats = (type_name, feature, below) in split
+            split.add((type_name, feature, below))
+            yield from _wrapped(_Entry(AtMost(type_name, feature, bound), name, 1 + cost, repeats), type_name)
+
+
+def _values(demos: Sequence[Demo], type_: Type, feature: str) -> list[float]:
+    """All values an inequality about ``feature`` of ``type_`` looks at, sorted: how many it splits off decides it."""
+    return sorted(
+        values[o.type.features.index(feature)]
+        for demo in demos
+        for state in demo.states
+        for o, values in state.features.items()
+        if o.type.is_a(type_) and feature in o.type.features
+    )
 
 
 def _wrapped(entry: _Entry, type_name: str) -> Iterator[_Entry]:
     """p, for-all p, not for-all p, not p, for-all not p, not for-all not p."""
-    for positive in (entry, _Entry(Not(entry.expression), f"NOT-{entry.name}", entry.cost)):
-        every = _Entry(ForAll(positive.expression), f"Forall[0:{type_name}].[{positive.name}(0)]", entry.cost + 1)
+    for positive in (entry, _Entry(Not(entry.expression), f"NOT-{entry.name}", entry.cost, entry.repeats)):
+        every = _Entry(
+            ForAll(positive.expression), f"Forall[0:{type_name}].[{positive.name}(0)]", entry.cost + 1, entry.repeats
+        )
         yield positive
         yield every
-        yield _Entry(Not(every.expression), f"NOT-{every.name}", every.cost)
+        yield _Entry(Not(every.expression), f"NOT-{every.name}", every.cost, entry.repeats)
 
 
 def _ranges(states: Sequence[State], types: Sequence[Type]) -> list[tuple[str, str, float, float]]:

@@ -3,54 +3,36 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
-from pydantic import BaseModel, ConfigDict, Field
+from joblib import Parallel, delayed
 
 from pix2pred.images import skill_crop
-from pix2pred.predicates.parse_labels import ParsedLabels, parse_labels, value_lines
+from pix2pred.predicates.asking import READ, Asker, Gap
+from pix2pred.predicates.label_settings import LabelSettings
+from pix2pred.predicates.parse_labels import value_lines
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
 from pix2pred.structs import FALSE, Action, Atom, Demo, Object, State
 from pix2pred.structs.views import View
-from pix2pred.vlm import VLM, Request
-
-READ = "answers read"
-"""Key of the count of answers that gave at least one value."""
-
-TOKENS_PER_ATOM = 64
-TOKENS_OF_REASONING = 1024
-
-
-class LabelSettings(BaseModel):
-    """How states are labelled."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    style: Literal["cot", "terse"] = Field("cot", description="explanations in the first state, or none")
-    double_check: bool = Field(True, description="second query after t = 0, in training only")
-    crops: bool = Field(True, description="also show the part of the scene the skill was about, before and after")
-    marks: bool = Field(True, description="write object names into the pictures (simulation: yes, photos: no)")
-    missing: Literal["carry_previous", "false"] = Field(
-        "carry_previous", description="value of an atom the answer leaves out after t = 0 (at t = 0: false)"
-    )
-    max_atoms_per_query: int | None = Field(None, ge=1, description="split longer lists of atoms")
-    attempts: int = Field(3, ge=1, description="queries before an answer without any value is given up")
-    hints: tuple[str, ...] = Field((), description="sentences about the domain added to later-state queries")
+from pix2pred.vlm import VLM
+from pix2pred.vlm.request import Part
 
 
 @dataclass(frozen=True, slots=True)
 class StateLabels:
     """Values of the queried atoms in one state and the answer text they were read from.
 
-    ``unusable`` is the last answer when it held no value; ``text`` then lists the values carried over.
+    ``confidence`` is the probability of a value, where known. ``unusable`` is the last answer when none held a value;
+    ``text`` then lists the values carried over. ``gaps`` names the atoms that no answer gave a value.
     """
 
     values: dict[Atom, int]
     text: str
     counts: Counter[str] = field(default_factory=Counter)
     unusable: str = ""
+    confidence: dict[Atom, float] = field(default_factory=dict)
+    gaps: tuple[Gap, ...] = ()
 
 
 class UnusableAnswersError(RuntimeError):
@@ -59,9 +41,23 @@ class UnusableAnswersError(RuntimeError):
     @classmethod
     def after(cls, model: str, labels: Sequence[StateLabels]) -> UnusableAnswersError:
         """The error for ``labels``, with their number and the first answer."""
+        gaps = [gap for s in labels for gap in s.gaps if not s.counts[READ]]
+        if gaps and all(gap.reason.startswith("no answer") for gap in gaps):
+            return cls(f"{model} gave no answer about {len(gaps)} states; the first: {gaps[0].about}: {gaps[0].reason}")
         answers = [" ".join(s.unusable.split()) for s in labels if s.counts["unusable answers"]]
         example = f"; the first answer begins {answers[0][:120]!r}" if answers and answers[0] else "; they are empty"
         return cls(f"{model} gave unusable answers about {len(answers)} states, without a single label{example}")
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """An action, the states before and after it (``t`` is the number of the latter), and the labels before it."""
+
+    before: State
+    after: State
+    t: int
+    action: Action
+    previous: StateLabels
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,77 +69,98 @@ class Labeller:
 
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
         """Labels of all states of a demonstration, strictly in order: each query builds on the answer before."""
-        labels = [self.first(demo.states[0], demo.objects, atoms)]
+        labels = [self.first(demo.states[0], demo.objects, atoms, about=f"{demo.name}, state 0")]
         for t, action in enumerate(demo.actions, start=1):
-            before, after = demo.states[t - 1], demo.states[t]
-            labels.append(
-                self.next(
-                    before, after, t, action, demo.objects, labels[-1], atoms, double_check=self.settings.double_check
-                )
-            )
+            step = Step(demo.states[t - 1], demo.states[t], t, action, labels[-1])
+            about = f"{demo.name}, state {t}"
+            labels.append(self.next(step, demo.objects, atoms, double_check=self.settings.double_check, about=about))
         return tuple(labels)
 
-    def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom]) -> StateLabels:
+    def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         """Labels of a state without history (method 3.3); ``atoms`` in any order."""
         template = "label_first" if self.settings.style == "cot" else "label_first_terse"
         pictures = views(state, 0, objects, marks=self.settings.marks)
-        parts = []
-        for batch in self._batches(atoms):
-            text = fill(template, objects=object_lines(objects), atoms="\n".join(map(atom_text, batch)))
-            parts.append(self._ask("label", (text, *pictures), batch, carried={}))
-        return _merged(parts)
+
+        def question(batch: Sequence[Atom]) -> tuple[Part, ...]:
+            return (fill(template, objects=object_lines(objects), atoms=_listed(batch)), *pictures)
+
+        asker = Asker(self.vlm, self.settings, "label", question, about)
+        return _merged(self._together(lambda batch: _labels(asker, batch, {}), atoms))
 
     def next(
-        self,
-        before: State,
-        after: State,
-        t: int,
-        action: Action,
-        objects: Sequence[Object],
-        previous: StateLabels,
-        atoms: Sequence[Atom],
-        *,
-        double_check: bool,
+        self, step: Step, objects: Sequence[Object], atoms: Sequence[Atom], *, double_check: bool, about: str = ""
     ) -> StateLabels:
-        """Labels of the state after ``action`` (method 3.4), given the labels of the one before."""
-        pictures = self._before_and_after(before, after, t, action, objects)
+        """Labels of the state after an action (method 3.4), given the labels of the one before."""
+        pictures = self._before_and_after(step, objects)
         crops = sum(view.crop is not None for view in pictures)
+        previous = step.previous
         carried = previous.values if self.settings.missing == "carry_previous" else {}
-        parts = []
-        for batch in self._batches(atoms):
-            listed = "\n".join(map(atom_text, batch))
-            question = fill(
+
+        def text(batch: Sequence[Atom]) -> str:
+            return fill(
                 "label_next",
-                action=action_text(action),
+                action=action_text(step.action),
                 objects=object_lines(objects),
                 previous=previous.text,
                 crops=f" {crops} of them show only the part of the scene the skill was about." if crops else "",
                 hints="".join(f"{hint}\n" for hint in self.settings.hints),
-                atoms=listed,
+                atoms=_listed(batch),
             )
-            labels = self._ask("label", (question, *pictures), batch, carried)
-            if double_check:
-                values = value_lines({atom_text(a): previous.values[a] for a in batch if a in previous.values})
-                check = fill("double_check", question=question, answer=labels.text, values=values, atoms=listed)
-                first = labels.values if self.settings.missing == "carry_previous" else {}
-                checked = self._ask("double-check", (check, *pictures), batch, first)
-                labels = StateLabels(checked.values, checked.text, labels.counts + checked.counts)
-            parts.append(labels)
-        return _merged(parts)
+
+        def labelled(batch: Sequence[Atom]) -> StateLabels:
+            asker = Asker(self.vlm, self.settings, "label", lambda part: (text(part), *pictures), about)
+            labels = _labels(asker, batch, carried)
+            if not double_check:
+                return labels
+            return self._checked(labels, batch, previous, text, pictures, about)
+
+        return _merged(self._together(labelled, atoms))
+
+    def _checked(
+        self,
+        labels: StateLabels,
+        batch: Sequence[Atom],
+        previous: StateLabels,
+        text: Callable[[Sequence[Atom]], str],
+        pictures: Sequence[View],
+        about: str,
+    ) -> StateLabels:
+        """The labels after the double check (method 3.5): its answer replaces the first."""
+
+        def question(part: Sequence[Atom]) -> tuple[Part, ...]:
+            before = value_lines({atom_text(a): previous.values[a] for a in part if a in previous.values})
+            check = fill("double_check", question=text(part), answer=labels.text, values=before, atoms=_listed(part))
+            return (check, *pictures)
+
+        carried = labels.values if self.settings.missing == "carry_previous" else {}
+        checked = _labels(Asker(self.vlm, self.settings, "double-check", question, about), batch, carried)
+        confidence = {a: labels.confidence[a] for a in labels.confidence if a not in checked.confidence}
+        confidence = {a: p for a, p in confidence.items() if checked.values[a] == labels.values[a]}
+        open_atoms = {t for gap in checked.gaps for t in gap.atoms}
+        left = [replace(g, atoms=tuple(t for t in g.atoms if t in open_atoms)) for g in labels.gaps]
+        gaps = (*(g for g in left if g.atoms), *checked.gaps)
+        return replace(
+            checked, counts=labels.counts + checked.counts, confidence=confidence | checked.confidence, gaps=gaps
+        )
+
+    def _together(self, labelled: Callable[[Sequence[Atom]], StateLabels], atoms: Sequence[Atom]) -> list[StateLabels]:
+        """The labels of all batches, asked for at the same time."""
+        batches = self._batches(atoms)
+        if len(batches) <= 1:
+            return [labelled(batch) for batch in batches]
+        return list(Parallel(n_jobs=len(batches), prefer="threads")(delayed(labelled)(batch) for batch in batches))
 
     def _batches(self, atoms: Sequence[Atom]) -> list[list[Atom]]:
         ordered = sorted(atoms, key=atom_text)
         size = self.settings.max_atoms_per_query or max(1, len(ordered))
         return [ordered[i : i + size] for i in range(0, len(ordered), size)]
 
-    def _before_and_after(
-        self, before: State, after: State, t: int, action: Action, objects: Sequence[Object]
-    ) -> tuple[View, ...]:
+    def _before_and_after(self, step: Step, objects: Sequence[Object]) -> tuple[View, ...]:
         full = (
-            *views(before, t - 1, objects, marks=self.settings.marks, label="before"),
-            *views(after, t, objects, marks=self.settings.marks, label="after"),
+            *views(step.before, step.t - 1, objects, marks=self.settings.marks, label="before"),
+            *views(step.after, step.t, objects, marks=self.settings.marks, label="after"),
         )
-        return (*full, *self._crops(before, after, action, full)) if self.settings.crops else full
+        return (*full, *self._crops(step.before, step.after, step.action, full)) if self.settings.crops else full
 
     def _crops(self, before: State, after: State, action: Action, full: Sequence[View]) -> list[View]:
         names = [o.name for o in action.objects]
@@ -156,34 +173,32 @@ class Labeller:
                     cropped.append(View(view.picture, view.state, box, view.marks, heading))
         return cropped
 
-    def _ask(
-        self, purpose: str, parts: tuple[str | View, ...], batch: Sequence[Atom], carried: Mapping[Atom, int]
-    ) -> StateLabels:
-        """Query until an answer gives some value, at most ``attempts`` times; atoms left out keep ``carried``."""
-        texts = {a: atom_text(a) for a in batch}
-        queried = list(dict.fromkeys(texts.values()))
-        budget = TOKENS_OF_REASONING + TOKENS_PER_ATOM * len(queried)
-        counts: Counter[str] = Counter()
-        parsed = ParsedLabels({}, tuple(queried), 0, 0)
-        answer = ""
-        for attempt in range(self.settings.attempts if batch else 0):
-            answer = self.vlm.answer(Request(purpose, parts, budget, attempt=attempt)).text
-            parsed = parse_labels(answer, queried)
-            counts["other words"] += parsed.other_words
-            counts["unasked"] += parsed.unasked
-            counts[READ if parsed.values else "unusable answers"] += 1
-            if parsed.values:
-                break
-        counts["missing"] += len(parsed.missing)
-        values = {a: parsed.values.get(text, carried.get(a, FALSE)) for a, text in texts.items()}
-        usable = answer if parsed.values else value_lines({texts[a]: value for a, value in values.items()})
-        return StateLabels(values, usable, counts, "" if parsed.values else answer)
+
+def _listed(batch: Sequence[Atom]) -> str:
+    return "\n".join(dict.fromkeys(map(atom_text, batch)))
+
+
+def _labels(asker: Asker, batch: Sequence[Atom], carried: Mapping[Atom, int]) -> StateLabels:
+    """Labels of a batch; atoms left without a value keep ``carried``, or else are false."""
+    asked = asker.ask(batch)
+    values = {a: asked.values.get(a, carried.get(a, FALSE)) for a in batch}
+    counts = asked.counts + Counter({"missing": len(values) - len(asked.values)})
+    text = "\n\n".join(asked.texts) or value_lines({atom_text(a): value for a, value in values.items()})
+    return StateLabels(values, text, counts, "" if asked.values else asked.useless, asked.confidence, asker.gaps(asked))
 
 
 def _merged(parts: Sequence[StateLabels]) -> StateLabels:
+    """The labels of all batches of one state."""
     values: dict[Atom, int] = {}
-    counts: Counter[str] = Counter()
+    confidence: dict[Atom, float] = {}
     for part in parts:
         values |= part.values
-        counts += part.counts
-    return StateLabels(values, "\n\n".join(p.text for p in parts), counts, "".join(p.unusable for p in parts))
+        confidence |= part.confidence
+    return StateLabels(
+        values,
+        "\n\n".join(p.text for p in parts),
+        sum((p.counts for p in parts), Counter[str]()),
+        "".join(p.unusable for p in parts),
+        confidence,
+        tuple(gap for p in parts for gap in p.gaps),
+    )

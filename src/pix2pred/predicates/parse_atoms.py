@@ -9,7 +9,6 @@ from dataclasses import dataclass
 _NAME = r"[A-Za-z_][A-Za-z0-9_\-]*"
 _APPLICATION = re.compile(rf"(?<![A-Za-z0-9_\-])({_NAME})[ \t]*\(([^()]*)\)")
 _ARGUMENT = re.compile(r"[A-Za-z0-9_\-]+(?: +[A-Za-z0-9_\-]+)*\Z")
-_ESCAPED = re.compile(r"\\([_\-()])")
 _MARKUP = re.compile(r"[\\`*]")
 
 
@@ -27,8 +26,13 @@ class Mention:
 
 
 def clean(text: str) -> str:
-    """Undo LaTeX and Markdown: ``\\_`` becomes ``_``; other backslashes, backticks and asterisks go."""
-    return _MARKUP.sub("", _ESCAPED.sub(r"\1", text))
+    """Undo LaTeX and Markdown: backslashes, backticks and asterisks go, so ``\\_`` becomes ``_``."""
+    return _MARKUP.sub("", text)
+
+
+def kept(text: str) -> list[int]:
+    """Where every character of ``clean(text)`` stands in ``text``."""
+    return [i for i, character in enumerate(text) if character not in "\\`*"]
 
 
 def mentions(cleaned: str) -> Iterator[Mention]:

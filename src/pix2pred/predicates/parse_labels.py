@@ -5,15 +5,17 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from pix2pred.predicates.parse_atoms import clean, mentions
+from pix2pred.predicates.parse_atoms import clean, kept, mentions
 from pix2pred.structs import FALSE, TRUE, UNKNOWN
 
 _VALUE = re.compile(r"[ \t]*[:=][ \t]*([A-Za-z]+)")
+_LINE_VALUE = re.compile(r"[\"'_ \t]*(?:[:=|：→]|->|=>|-|–|—)[\"'_ \t]*([A-Za-z]+)")
+"""After an atom that begins a line, more is understood: quotes, arrows, dashes, table cells."""
 _ATOM_AHEAD = r"(?![ \t]*[A-Za-z_][\w\-]*[ \t]*\([^()]*\)[ \t]*[:=])"
 _THIRD_SECTION = re.compile(rf"^[ \t#>\-]*(?:section[ \t]*)?3[.):]{_ATOM_AHEAD}", re.IGNORECASE | re.MULTILINE)
-_LINE_START = re.compile(r"\n[ \t>#+\-\d.)]*\Z")
+_LINE_START = re.compile(r"\n[ \t>#+\-\d.)|\"'_•–]*\Z")
 _WORDS = {"true": TRUE, "false": FALSE, "unknown": UNKNOWN}
 
 
@@ -22,13 +24,15 @@ class ParsedLabels:
     """The value of every queried atom that the answer gave one, and counts of what could not be used.
 
     ``other_words`` counts values that are neither True, False nor Unknown; ``unasked`` counts values for atoms that
-    were not in the query; ``missing`` lists queried atoms without a value.
+    were not in the query; ``missing`` lists queried atoms without a value; ``places`` says where in the answer the
+    word stands that gave an atom its value.
     """
 
     values: dict[str, int]
     missing: tuple[str, ...]
     other_words: int
     unasked: int
+    places: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +42,7 @@ class _Statement:
     atom: str
     word: str
     start: int
+    word_start: int
     leads: bool
 
 
@@ -54,8 +59,8 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
         begins = [h.end() for h in _THIRD_SECTION.finditer(text) if h.end() <= statements[-1].start]
         statements = [s for s in statements if s.start >= max(begins, default=0)]
     asked = _Asked(queried)
-    inside: dict[str, int] = {}
-    leading: dict[str, int] = {}
+    inside: dict[str, tuple[int, int]] = {}
+    leading: dict[str, tuple[int, int]] = {}
     other_words = unasked = 0
     for statement in statements:
         atom = asked.find(statement.atom)
@@ -64,18 +69,20 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
         elif (value := _WORDS.get(statement.word.lower())) is None:
             other_words += 1
         else:
-            (leading if statement.leads else inside)[atom] = value
+            (leading if statement.leads else inside)[atom] = value, statement.word_start
     found = inside | leading
-    values = {atom: found[atom] for atom in queried if atom in found}
-    return ParsedLabels(values, tuple(a for a in queried if a not in found), other_words, unasked)
+    values = {atom: found[atom][0] for atom in queried if atom in found}
+    raw = kept(answer)
+    places = {atom: raw[found[atom][1]] for atom in values}
+    return ParsedLabels(values, tuple(a for a in queried if a not in found), other_words, unasked, places)
 
 
 def _statements(text: str) -> Iterator[_Statement]:
     for mention in mentions(text):
-        if word := _VALUE.match(text, mention.end):
-            near = "\n" + text[: mention.start] if mention.start < 20 else text[mention.start - 20 : mention.start]
-            leads = _LINE_START.search(near) is not None
-            yield _Statement(str(mention), word[1], mention.start, leads)
+        near = "\n" + text[: mention.start] if mention.start < 20 else text[mention.start - 20 : mention.start]
+        leads = _LINE_START.search(near) is not None
+        if word := (_LINE_VALUE if leads else _VALUE).match(text, mention.end):
+            yield _Statement(str(mention), word[1], mention.start, word.start(1), leads)
 
 
 class _Asked:

@@ -11,14 +11,14 @@ from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, State
 from pix2pred.structs.views import View
 
 
-def fill(name: str, **values: str) -> str:
-    """The prompt ``prompts/<name>.txt`` with its ``$fields`` replaced; the comment line on top is left out."""
-    return _template(name).substitute(values)
+def fill(prompt: str, room: str = "pix2pred.predicates", /, **values: str) -> str:
+    """The prompt ``prompts/<prompt>.txt`` of ``room`` with its ``$fields`` replaced, without the comment on top."""
+    return _template(room, prompt).substitute(values)
 
 
 @cache
-def _template(name: str) -> Template:
-    text = (files("pix2pred.predicates") / "prompts" / f"{name}.txt").read_text(encoding="utf-8")
+def _template(room: str, name: str) -> Template:
+    text = (files(room) / "prompts" / f"{name}.txt").read_text(encoding="utf-8")
     comment, _, body = text.partition("\n")
     assert comment.startswith("# Method"), f"prompt {name} names the section it implements"
     return Template(body)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from joblib import Parallel, delayed
@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pix2pred.predicates.parse_atoms import clean, mentions
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
 from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
-from pix2pred.vlm import VLM, Request
+from pix2pred.vlm import VLM, Finish, NoAnswerError, Request, Review
 
 ANSWER_TOKENS = 8192
 """Budget of a proposal: a model lists hundreds of atoms."""
@@ -49,11 +49,12 @@ class Rejection:
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
-    """What came of asking about one demonstration."""
+    """What came of asking about one demonstration; ``problem`` says why no whole answer was to be had."""
 
     demo: str
     accepted: tuple[ProposedAtom, ...]
     rejected: tuple[Rejection, ...]
+    problem: str = ""
 
 
 class EmptyProposalError(RuntimeError):
@@ -83,8 +84,9 @@ def propose(
         proposals.append(proposal)
         progress(len(proposals), len(demos), proposal.demo)
     if not any(p.accepted for p in proposals):
+        first = next((f" ({p.demo}: {p.problem})" for p in proposals if p.problem), "")
         raise EmptyProposalError(
-            f"{vlm.name} proposed no usable predicate for any of {len(demos)} demonstrations; "
+            f"{vlm.name} proposed no usable predicate for any of {len(demos)} demonstrations{first}; "
             "see the rejected atoms in the run folder (proposals.json)",
             tuple(proposals),
         )
@@ -92,16 +94,31 @@ def propose(
 
 
 def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings) -> Proposal:
-    proposal = Proposal(demo.name, (), ())
+    proposal, budget = Proposal(demo.name, (), ()), ANSWER_TOKENS
     for attempt in range(settings.attempts):
-        answer = vlm.answer(proposal_request(demo, settings, attempt))
-        proposal = read_proposal(demo, answer.text, settings)
-        if proposal.accepted:
-            break
+        try:
+            answer = vlm.answer(proposal_request(demo, settings, attempt, budget))
+        except NoAnswerError as error:
+            return replace(proposal, problem=f"no answer: {error}")
+        read = read_proposal(demo, answer.text, settings)
+        if answer.finish == Finish.REFUSED:
+            proposal = replace(proposal, problem=proposal.problem or "refused")
+        elif answer.finish == Finish.CUT_SHORT:
+            budget *= 2
+            proposal = replace(_whole_lines(demo, answer.text, settings), problem="the answer was always cut short")
+        elif read.accepted:
+            return read
+        else:
+            proposal = read if not proposal.accepted else proposal
     return proposal
 
 
-def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0) -> Request:
+def _whole_lines(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
+    """What was read from an answer that broke off, without its last line."""
+    return read_proposal(demo, answer.rpartition("\n")[0], settings)
+
+
+def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS) -> Request:
     """The query about one demonstration: instruction, objects, actions, then every state's pictures."""
     limit = f"List at most {settings.max_atoms} predicates in total.\n" if settings.max_atoms else ""
     text = fill(
@@ -111,7 +128,21 @@ def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0) -
         limit=limit,
     )
     pictures = (v for t, s in enumerate(demo.states) for v in views(s, t, demo.objects, marks=settings.marks))
-    return Request("propose", (text, *pictures), ANSWER_TOKENS, attempt=attempt)
+    return Request(
+        "propose",
+        (text, *pictures),
+        budget,
+        attempt=attempt,
+        about=demo.name,
+        review=lambda answer: _review(read_proposal(demo, answer, settings)),
+    )
+
+
+def _review(proposal: Proposal) -> Review | None:
+    if proposal.accepted:
+        return None
+    why = "; ".join(f"{r.text}: {r.reason}" for r in proposal.rejected[:3])
+    return Review(f"No predicate of the form name(object1, object2) could be used. {why}".strip(), usable=False)
 
 
 def read_proposal(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:

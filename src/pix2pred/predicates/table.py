@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from joblib import Parallel, delayed
 
+from pix2pred.predicates.asking import READ, Gap
 from pix2pred.predicates.initial import is_asked, local_values
-from pix2pred.predicates.label import READ, Labeller, StateLabels, UnusableAnswersError
+from pix2pred.predicates.label import Labeller, StateLabels, UnusableAnswersError
 from pix2pred.structs import (
     Atom,
     Candidate,
@@ -28,11 +29,12 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True, slots=True)
 class Labelling:
-    """The truth table, the answers it was read from, and counts of what could not be used."""
+    """The truth table, the answers it was read from, counts of what could not be used, and atoms without a value."""
 
     table: TruthTable
     answers: tuple[tuple[StateLabels, ...], ...]
     counts: Counter[str]
+    gaps: tuple[Gap, ...] = ()
 
 
 def label_demos(
@@ -55,10 +57,12 @@ def label_demos(
         labelled.append(one)
         answers.append(texts)
         progress(len(labelled), len(demos), demo.name)
-    counts = sum((s.counts for texts in answers for s in texts), Counter[str]())
-    if counts["unusable answers"] and not counts[READ]:
-        raise UnusableAnswersError.after(labeller.vlm.name, [s for texts in answers for s in texts])
-    return Labelling(TruthTable(tuple(initial), tuple(pool), tuple(labelled)), tuple(answers), counts)
+    states = [s for texts in answers for s in texts]
+    counts = sum((s.counts for s in states), Counter[str]())
+    gaps = tuple(gap for s in states for gap in s.gaps)
+    if gaps and not counts[READ]:
+        raise UnusableAnswersError.after(labeller.vlm.name, states)
+    return Labelling(TruthTable(tuple(initial), tuple(pool), tuple(labelled)), tuple(answers), counts, gaps)
 
 
 def _label_demo(
@@ -68,12 +72,15 @@ def _label_demo(
     asked = [a for a in atoms if is_asked(a)]
     answers = labeller.demo(demo, asked) if asked else ()
     values = np.zeros((len(demo.states), len(atoms)), dtype=np.int8)
+    confidence = np.full(values.shape, np.nan, dtype=np.float32)
     for i, atom in enumerate(atoms):
         if is_asked(atom):
             values[:, i] = [labels.values[atom] for labels in answers]
+            confidence[:, i] = [labels.confidence.get(atom, np.nan) for labels in answers]
         else:
             values[:, i] = local_values(atom, demo.states, demo.actions)
-    return LabelledDemo(demo.name, demo.objects, demo.actions, demo.goal, atoms, values), answers
+    known = confidence if np.isfinite(confidence).any() else None
+    return LabelledDemo(demo.name, demo.objects, demo.actions, demo.goal, atoms, values, known), answers
 
 
 def goal_warnings(demos: Iterable[LabelledDemo]) -> list[str]:

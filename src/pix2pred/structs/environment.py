@@ -1,4 +1,4 @@
-"""What a simulator or a robot offers to the rest of the system."""
+"""What a simulator or a robot offers to the rest of the system. ``docs/your_own_domain.md`` walks through it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from pix2pred.structs.demos import Demo, Task, Vocabulary
 from pix2pred.structs.predicates import Atom
+from pix2pred.structs.samplers import Features
 from pix2pred.structs.skills import Action
-from pix2pred.structs.states import State
+from pix2pred.structs.states import Pixels, State
 
 SimulatorState = Mapping[str, Any]
 """A simulator's own description of a state, JSON-compatible; only that simulator reads it."""
@@ -55,12 +56,33 @@ class Environment(Protocol):
         """The state now."""
         ...
 
+    def features(self) -> Features:
+        """The features of ``observe()``, without drawing. Samplers of continuous parameters ask for them."""
+        ...
+
     def execute(self, action: Action) -> Step:
-        """Run one skill until it ends, gets stuck, or uses up the horizon."""
+        """Run one skill, with its continuous parameters if any, until it ends, gets stuck, or uses up the horizon.
+
+        Never raises: whatever goes wrong, be it bad parameters, an unreachable pose or physics that diverges, is a
+        ``Step`` with a sentence about the cause.
+        """
         ...
 
     def goal_reached(self) -> bool:
         """Whether the task's true goal holds now."""
+        ...
+
+
+FrameSink = Callable[[Pixels], None]
+"""Takes one frame of a film."""
+
+
+@runtime_checkable
+class Filmed(Protocol):
+    """An environment that can show a skill while it runs; others are filmed as one picture before and after it."""
+
+    def film(self, sink: FrameSink | None) -> None:
+        """From now on hand ``sink`` a frame about every tenth of a simulated second; ``None`` stops."""
         ...
 
 

@@ -51,6 +51,7 @@ class Failure(StrEnum):
 class ExecutedStep:
     """One skill of an episode: what was run and how it ended.
 
+    For a skill with continuous parameters also which sampler chose them, and how many draws it rejected before.
     ``observed`` are the changes seen afterwards, ``+`` for what became true; None where nobody looked.
     """
 
@@ -58,6 +59,8 @@ class ExecutedStep:
     operator: str
     status: str
     detail: str
+    sampler: str = ""
+    rejections: int = 0
     observed: tuple[str, ...] | None = None
 
 

@@ -19,6 +19,9 @@ FALSE, TRUE, UNKNOWN = 0, 1, -1
 Values = NDArray[np.int8]
 """Labels of shape (states, atoms): 1 true, 0 false, -1 unknown."""
 
+Confidence = NDArray[np.float32]
+"""Probabilities of labels, of shape (states, atoms), in [0, 1]; NaN where nothing is known of it."""
+
 
 def unknown_as_false(values: Values) -> NDArray[np.bool_]:
     """The closed-world reading of labels: unknown counts as false, as the method asks (method 3.6)."""
@@ -36,11 +39,13 @@ class LabelledDemo:
     goal: tuple[Atom, ...]
     atoms: tuple[Atom, ...]
     values: Values
+    confidence: Confidence | None = None
 
     def __post_init__(self) -> None:
         expected = (len(self.actions) + 1, len(self.atoms))
-        if self.values.shape != expected:
-            raise ValueError(f"demonstration {self.name}: labels have shape {self.values.shape}, not {expected}")
+        for array in (self.values, self.values if self.confidence is None else self.confidence):
+            if array.shape != expected:
+                raise ValueError(f"demonstration {self.name}: labels have shape {array.shape}, not {expected}")
 
     def abstract_states(self) -> tuple[AbstractState, ...]:
         """The set of atoms that hold, state by state."""
@@ -54,6 +59,7 @@ class LabelledDemo:
         return LabelledDemo(
             self.name, self.objects, self.actions, self.goal,
             tuple(self.atoms[i] for i in columns), self.values[:, columns],
+            None if self.confidence is None else self.confidence[:, columns],
         )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
@@ -62,7 +68,14 @@ class LabelledDemo:
             and (self.name, self.objects, self.actions, self.goal, self.atoms)
             == (other.name, other.objects, other.actions, other.goal, other.atoms)
             and np.array_equal(self.values, other.values)
+            and _same(self.confidence, other.confidence)
         )
+
+
+def _same(one: Confidence | None, other: Confidence | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return np.array_equal(one, other, equal_nan=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass
-from typing import Any, Protocol
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, Protocol, runtime_checkable
 
 from pix2pred.structs.views import View
 
@@ -14,11 +16,26 @@ Part = str | View
 
 
 @dataclass(frozen=True, slots=True)
+class Review:
+    """What is wrong with an answer; ``usable`` when something can be read from it all the same."""
+
+    problem: str
+    usable: bool
+
+
+Reviewer = Callable[[str], Review | None]
+"""Reads an answer as the asker will; ``None`` when nothing is wrong with it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Request:
     """Text and pictures in order. ``purpose`` names the step for usage counts, e.g. ``propose`` or ``label``.
 
     ``sample`` numbers independent samples of one question; ``attempt`` numbers retries after unusable answers.
-    ``max_tokens`` is the answer budget.
+    ``max_tokens`` is the answer budget. ``schema`` is a JSON Schema the answer should follow, as text, where the model
+    can do that; ``logprobs`` asks for the probabilities of the answer's tokens. ``about`` names the demonstration and
+    state for people, and ``review`` lets a model behind a person give back what cannot be read: neither is part of
+    the question.
     """
 
     purpose: str
@@ -27,6 +44,10 @@ class Request:
     temperature: float = 0.0
     sample: int = 0
     attempt: int = 0
+    schema: str = ""
+    logprobs: bool = False
+    about: str = field(default="", compare=False)
+    review: Reviewer | None = field(default=None, compare=False)
 
     @property
     def text(self) -> str:
@@ -40,38 +61,95 @@ class Request:
 
     def canonical(self, model: str) -> dict[str, Any]:
         """What the answer may depend on, JSON-compatible: the same on every machine."""
+        extra: dict[str, Any] = {"schema": self.schema} if self.schema else {}
+        extra |= {"logprobs": True} if self.logprobs else {}
         return {
             "model": model,
             "temperature": self.temperature,
             "max_tokens": self.max_tokens,
             "sample": self.sample,
             "attempt": self.attempt,
+            **extra,
             "parts": [part if isinstance(part, str) else part.canonical() for part in self.parts],
         }
 
     def key(self, model: str) -> str:
         """SHA-256 of the canonical form."""
-        text = json.dumps(self.canonical(model), sort_keys=True, separators=(",", ":"))
-        return hashlib.sha256(text.encode()).hexdigest()
+        return key_of(self.canonical(model))
+
+
+def key_of(canonical: Any) -> str:
+    """The key of a request in its canonical form."""
+    text = json.dumps(canonical, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+class Finish(StrEnum):
+    """How an answer ended: complete, cut short by the token budget, refused by the provider, or never obtained."""
+
+    COMPLETE = "complete"
+    CUT_SHORT = "cut short"
+    REFUSED = "refused"
+    NONE = "none"
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A piece of an answer; ``logprobs`` are natural logarithms of probabilities, of it and of what else was likely."""
+
+    text: str
+    logprobs: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """What an answer took: tokens as the provider counts them, US dollars (``None``: unknown) and seconds."""
+
+    input_tokens: int = 0
+    output_tokens: int = 0
+    dollars: float | None = None
+    seconds: float = field(default=0.0, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a model said. ``stored`` tells that it came from the answer store rather than from the model."""
+    """What a model said. ``stored`` tells that it came from the answer store rather than from the model.
+
+    ``tokens`` are there when their probabilities were asked for and the model gives them; their texts join to ``text``.
+    """
 
     text: str
     stored: bool = False
+    finish: Finish = Finish.COMPLETE
+    tokens: tuple[Token, ...] = ()
+    spent: Spent = Spent()
 
 
 class VLMError(RuntimeError):
-    """A model could not be asked; the message says why and what to do."""
+    """A model could not be asked; the message says why and what to do. It ends the run."""
+
+
+class NoAnswerError(VLMError):
+    """One question got no answer, whatever was tried; others may. The run goes on and names the gap."""
 
 
 class VLM(Protocol):
     """Anything that answers requests. ``name`` identifies model and version and enters the store's keys."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """Model and version."""
+        ...
 
     def answer(self, request: Request) -> Answer:
         """Answer ``request``. Raises ``VLMError``. May be called from several threads."""
+        ...
+
+
+@runtime_checkable
+class Stoppable(Protocol):
+    """A model that may wait for long: ``stop`` ends its waiting when the run is over."""
+
+    def stop(self) -> None:
+        """End all waiting; questions that wait raise ``NoAnswerError``."""
         ...

@@ -10,9 +10,10 @@ from pix2pred.domains.burger.classifiers import objects_of
 from pix2pred.domains.burger.demonstrator import demonstrate
 from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.environment import BurgerEnvironment
-from pix2pred.domains.burger.families import Family, Variant, bind_atom, load_families
+from pix2pred.domains.burger.families import Family, Recipe, Variant, bind_atom, load_families
 from pix2pred.domains.burger.observe import observe
 from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.burger.sized import sized_recipe
 from pix2pred.domains.burger.world import World
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import SimulatedTask, SimulatorState
@@ -59,14 +60,33 @@ class BurgerDomain:
         tasks = []
         for index in range(count):
             recipe = kinds.free if index < (count + 1) // 2 else kinds.holding
-            rng = scene_generator(seed, Split.TASKS, chosen.index, index)
-            world = initial_world(recipe.scene, rng, self.held_z)
-            objects = objects_of(world)
-            by_name = {o.name: o for o in objects}
-            goal = tuple(bind_atom(a, by_name, chosen.initial) for a in recipe.goal)
-            task = Task(f"{family}-test-{index}", objects, observe(world, chosen.initial), goal)
-            tasks.append(SimulatedTask(task, {"family": family, "world": world.to_dict()}))
+            tasks.append(self._task(f"{family}-test-{index}", chosen, recipe, Split.TASKS, seed, index))
         return tuple(tasks)
+
+    def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
+        """The initial states of ``demonstrations(family, seed)``: running their actions visits their states again."""
+        chosen = self._family(family)
+        return tuple(
+            self._task(f"{family}-{index:02d}", chosen, recipe, Split.DEMONSTRATIONS, seed, index)
+            for index, recipe in enumerate(chosen.demonstrations)
+        )
+
+    def sized_tasks(self, family: str, seed: int, count: int, items: int) -> Sequence[SimulatedTask]:
+        """``count`` tasks with ``items`` movable things. Raises ``ValueError`` when they do not fit the kitchen."""
+        recipe = sized_recipe(items)
+        chosen = self._family(family)
+        return tuple(
+            self._task(f"{family}-{items}-items-{index}", chosen, recipe, Split.SIZED, seed, 1000 * items + index)
+            for index in range(count)
+        )
+
+    def _task(self, name: str, family: Family, recipe: Recipe, split: Split, seed: int, index: int) -> SimulatedTask:
+        world = initial_world(recipe.scene, scene_generator(seed, split, family.index, index), self.held_z)
+        objects = objects_of(world)
+        by_name = {o.name: o for o in objects}
+        goal = tuple(bind_atom(a, by_name, family.initial) for a in recipe.goal)
+        task = Task(name, objects, observe(world, family.initial), goal)
+        return SimulatedTask(task, {"family": family.name, "world": world.to_dict()})
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> BurgerEnvironment:
         """A fresh episode of a task; with probability ``disturb`` something happens to the scene after a skill.

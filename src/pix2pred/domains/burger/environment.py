@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 from pix2pred.domains.burger.classifiers import holds
 from pix2pred.domains.burger.disturbances import Disturbances
-from pix2pred.domains.burger.observe import observe
+from pix2pred.domains.burger.observe import features_of, observe
 from pix2pred.domains.burger.skills import explain, policy_for
 from pix2pred.domains.burger.world import World, advance
 from pix2pred.structs import Action, Application, Atom, Predicate, State
 from pix2pred.structs.environment import Step, StepStatus
+from pix2pred.structs.samplers import Features
 
 HORIZON = 200
 """Primitive steps in one episode."""
@@ -42,6 +43,10 @@ class BurgerEnvironment:
     def observe(self) -> State:
         """The state now."""
         return observe(self.world, self._predicates)
+
+    def features(self) -> Features:
+        """Positions now, without drawing."""
+        return features_of(self.world)
 
     def goal_reached(self) -> bool:
         """Whether every goal atom is true of the world now."""

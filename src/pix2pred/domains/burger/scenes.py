@@ -19,6 +19,7 @@ class Split(IntEnum):
     DEMONSTRATIONS = 0
     TASKS = 1
     DISTURBANCES = 3
+    SIZED = 4
 
 
 def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:

@@ -1,0 +1,254 @@
+"""The published claims beside what was measured: holds, does not hold, needs a model, or not run (method 11)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from importlib.resources import files
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field
+
+from pix2pred.benchmark.rows import Outcome, Row
+from pix2pred.benchmark.runner import Run
+from pix2pred.benchmark.statistics import Cell, cell, cell_of
+
+
+class Verdict(StrEnum):
+    """What became of a claim."""
+
+    HOLDS = "holds"
+    FAILS = "does not hold"
+    NEEDS_MODEL = "needs a model"
+    NOT_RUN = "not run"
+
+
+class _Claim(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    id: str
+    source: str
+    text: str
+    families: tuple[str, ...] | None = None
+    excluded: tuple[str, ...] = Field((), alias="except")
+
+
+class _Pair(_Claim):
+    better: str
+    worse: str
+
+
+class Above(_Pair):
+    """The better one's mean is strictly larger."""
+
+    kind: Literal["above"]
+
+
+class Comparable(_Pair):
+    """The means differ by at most ``margin`` tasks."""
+
+    kind: Literal["comparable"]
+    margin: float
+
+
+class _Single(_Claim):
+    approach: str
+
+
+class NearZero(_Single):
+    """The mean is at most ``bound`` tasks."""
+
+    kind: Literal["near-zero"]
+    bound: float
+
+
+class NoneOfSecondHalf(_Single):
+    """No task of the second half of a seed's tasks is solved."""
+
+    kind: Literal["none-of-second-half"]
+
+
+class PoolSize(_Single):
+    """The pool has at least ``bound`` candidates in some seed."""
+
+    kind: Literal["pool-size"]
+    bound: int
+
+
+class SetSize(_Single):
+    """So many visual and feature predicates are selected in most seeds."""
+
+    kind: Literal["set-size"]
+    sizes: dict[str, dict[str, int]]
+
+
+class MainCause(_Single):
+    """More than half of the failures have this cause."""
+
+    kind: Literal["main-cause"]
+    cause: str
+
+
+Claim = Annotated[
+    Above | Comparable | NearZero | NoneOfSecondHalf | PoolSize | SetSize | MainCause, Field(discriminator="kind")
+]
+
+
+class Interim(BaseModel):
+    """Numbers that were never published, by approach: mean and sd per family."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    source: str
+    about: str
+    families: tuple[str, ...]
+    numbers: dict[str, tuple[tuple[float, float], ...]]
+
+
+class Published(BaseModel):
+    """The file ``claims.yaml``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    claims: tuple[Claim, ...]
+    interim: Interim
+
+
+def load_claims() -> Published:
+    """The claims that come with the package."""
+    text = (files("pix2pred.benchmark") / "claims.yaml").read_text(encoding="utf-8")
+    return Published.model_validate(yaml.safe_load(text))
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A claim's verdict, and per family the verdict with its figures."""
+
+    claim: Any
+    verdict: Verdict
+    families: Mapping[str, tuple[Verdict, str]]
+
+
+def judge(claim: Any, run: Run) -> Judged:
+    """What the run says about ``claim``, over the families that the claim and the suite share."""
+    wanted = claim.families or [f.name for f in run.suite.families]
+    names = [f.name for f in run.suite.families if f.name in wanted and f.name not in claim.excluded]
+    checks: dict[type, Callable[[Any, Run, str], tuple[Verdict, str]]] = {
+        Above: _above, Comparable: _comparable, NearZero: _near_zero, NoneOfSecondHalf: _second_half,
+        PoolSize: _pool_size, SetSize: _set_size, MainCause: _main_cause,
+    }  # fmt: skip
+    found = {name: checks[type(claim)](claim, run, name) for name in names}
+    return Judged(claim, _overall([verdict for verdict, _ in found.values()]), found)
+
+
+def judge_interim(interim: Interim, run: Run) -> list[tuple[str, str, Verdict, str]]:
+    """(family, approach, verdict, figures): holds when the ranges mean ± sd overlap."""
+    found = []
+    for approach, numbers in interim.numbers.items():
+        for family, (mean, sd) in zip(interim.families, numbers, strict=True):
+            said = f"{mean:g} ± {sd:g}"
+            measured = cell_of(run.rows, approach, family)
+            if not isinstance(measured, Cell):
+                found.append((family, approach, _missing(measured), f"interim {said}"))
+                continue
+            ten = 10 / measured.per_seed
+            near = abs(measured.mean * ten - mean) <= sd + measured.sd * ten + 1e-9
+            figures = f"measured {measured.text}, interim {said}"
+            found.append((family, approach, Verdict.HOLDS if near else Verdict.FAILS, figures))
+    return found
+
+
+def _overall(verdicts: Sequence[Verdict]) -> Verdict:
+    """One failure refutes; what was not tried is said only when nothing was."""
+    for verdict in (Verdict.FAILS, Verdict.HOLDS, Verdict.NEEDS_MODEL):
+        if verdict in verdicts:
+            return verdict
+    return Verdict.NOT_RUN
+
+
+def _missing(found: Cell | Outcome | None) -> Verdict:
+    return Verdict.NEEDS_MODEL if found == Outcome.NEEDS_MODEL else Verdict.NOT_RUN
+
+
+def _verdict(holds: bool) -> Verdict:
+    return Verdict.HOLDS if holds else Verdict.FAILS
+
+
+def _pair(claim: _Pair, run: Run, family: str) -> tuple[Cell, Cell] | Verdict:
+    cells = [cell_of(run.rows, name, family) for name in (claim.better, claim.worse)]
+    better, worse = cells
+    if isinstance(better, Cell) and isinstance(worse, Cell):
+        return better, worse
+    missing = [_missing(c) for c in cells if not isinstance(c, Cell)]
+    return Verdict.NOT_RUN if Verdict.NOT_RUN in missing else Verdict.NEEDS_MODEL
+
+
+def _above(claim: Above, run: Run, family: str) -> tuple[Verdict, str]:
+    pair = _pair(claim, run, family)
+    if isinstance(pair, Verdict):
+        return pair, ""
+    better, worse = pair
+    return _verdict(better.mean > worse.mean), f"{better.text} against {worse.text}"
+
+
+def _comparable(claim: Comparable, run: Run, family: str) -> tuple[Verdict, str]:
+    pair = _pair(claim, run, family)
+    if isinstance(pair, Verdict):
+        return pair, ""
+    better, worse = pair
+    return _verdict(abs(better.mean - worse.mean) <= claim.margin), f"{better.text} against {worse.text}"
+
+
+def _near_zero(claim: NearZero, run: Run, family: str) -> tuple[Verdict, str]:
+    found = cell_of(run.rows, claim.approach, family)
+    if not isinstance(found, Cell):
+        return _missing(found), ""
+    return _verdict(found.mean <= claim.bound), found.text
+
+
+def _second_half(claim: NoneOfSecondHalf, run: Run, family: str) -> tuple[Verdict, str]:
+    half: list[Row] = []
+    for seed in run.suite.seeds:
+        rows = [r for r in run.rows if (r.approach, r.family, r.seed) == (claim.approach, family, seed)]
+        half += rows[(len(rows) + 1) // 2 :] if len(rows) > 1 else rows
+    found = cell(half)
+    if not isinstance(found, Cell):
+        return _missing(found), ""
+    return _verdict(found.solved == 0), f"{found.solved} of {found.tries}"
+
+
+def _learned(run: Run, approach: str, family: str) -> list[dict[str, Any]]:
+    places = [f"{family}/seed{seed}/{approach}" for seed in run.suite.seeds]
+    return [run.learned[p] for p in places if "selected" in run.learned.get(p, {})]
+
+
+def _pool_size(claim: PoolSize, run: Run, family: str) -> tuple[Verdict, str]:
+    sizes = [learned["candidates"] for learned in _learned(run, claim.approach, family)]
+    if not sizes:
+        return Verdict.NOT_RUN, ""
+    return _verdict(max(sizes) >= claim.bound), f"{min(sizes)} to {max(sizes)} candidates"
+
+
+def _set_size(claim: SetSize, run: Run, family: str) -> tuple[Verdict, str]:
+    found = Counter(
+        (learned["visual"], len(learned["selected"]) - learned["visual"])
+        for learned in _learned(run, claim.approach, family)
+    )
+    if not found or family not in claim.sizes:
+        return Verdict.NOT_RUN, ""
+    wanted = (claim.sizes[family]["visual"], claim.sizes[family]["feature"])
+    text = "; ".join(f"{v} visual and {f} feature ({n}x)" for (v, f), n in sorted(found.items()))
+    return _verdict(2 * found[wanted] > found.total()), text
+
+
+def _main_cause(claim: MainCause, run: Run, family: str) -> tuple[Verdict, str]:
+    found = cell_of(run.rows, claim.approach, family)
+    if not isinstance(found, Cell):
+        return _missing(found), ""
+    if not found.failures:
+        return Verdict.NOT_RUN, "no failures"
+    text = ", ".join(f"{cause} {n}" for cause, n in found.failures.most_common())
+    return _verdict(2 * found.failures[claim.cause] > found.failures.total()), text

@@ -1,0 +1,113 @@
+"""Running a suite: jobs in parallel, every finished try kept, the rows put together in the order of the suite."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pix2pred.benchmark.cells import Catalogue, Done, Job, run_job
+from pix2pred.benchmark.rows import Row, dump_csv, dump_rows
+from pix2pred.benchmark.suite import Suite
+from pix2pred.parallel import Workers
+from pix2pred.run_folder import RunFolder, RunFolderError
+from pix2pred.vlm import AnswerStore, StoreMode
+
+ROWS = "rows.jsonl"
+
+Progress = Callable[[int, int, str], None]
+"""Called with (jobs done, jobs, what was just finished)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A benchmark run: its folder, suite, model and rows so far."""
+
+    folder: Path
+    suite: Suite
+    vlm: str
+    rows: tuple[Row, ...]
+    learned: dict[str, dict[str, Any]]
+    """What was learned, by cell: ``family[/value]/seed<k>/approach``."""
+
+
+def run_suite(
+    folder: Path,
+    suite: Suite,
+    catalogue: Catalogue,
+    *,
+    vlm: str,
+    workers: Workers,
+    answers: Path | None = None,
+    mode: StoreMode = StoreMode.RESUME,
+    progress: Progress = lambda done, total, text: None,
+) -> Run:
+    """Run what is missing of ``suite`` in ``folder``, and write ``rows.jsonl`` and ``rows.csv``.
+
+    The rows depend on suite, model and answers alone: not on workers, on their number, or on interruptions.
+    """
+    store = AnswerStore(answers or folder)
+    store.check()
+    with RunFolder(folder).locked() as run:
+        run.claim(_config(suite, vlm))
+        jobs = _jobs(folder, suite, catalogue, vlm, store.directory, mode)
+        done: list[Done] = []
+        progress(0, len(jobs), "")
+        for one in workers.map(run_job, jobs):
+            done.append(one)
+            progress(len(done), len(jobs), one.place.removeprefix("cells/"))
+        rows = tuple(row for job in jobs for row in job.rows())
+        run.write(ROWS, dump_rows(rows))
+        run.write("rows.csv", dump_csv(rows))
+        timings = {d.place.removeprefix("cells/"): {"seconds": d.seconds, "queries": d.queries} for d in done}
+        earlier = _read(folder / "timings.json")
+        run.write_json("timings.json", {**earlier, **{k: t for k, t in timings.items() if t["queries"]}})
+    return Run(folder, suite, vlm, rows, _learned(jobs))
+
+
+def status_of(folder: Path, catalogue: Catalogue) -> Run:
+    """What a run has so far, finished or not. Raises ``RunFolderError`` for a folder without one."""
+    config = RunFolder(folder).config()
+    try:
+        suite, vlm = Suite.model_validate(config["suite"]), str(config["vlm"])
+    except (KeyError, ValueError) as error:
+        raise RunFolderError(f"{folder}: holds no benchmark run; make one with 'pix2pred bench run'") from error
+    jobs = _jobs(folder, suite, catalogue, vlm, folder, StoreMode.REPLAY)
+    return Run(folder, suite, vlm, tuple(row for job in jobs for row in job.rows()), _learned(jobs))
+
+
+def expected(run: Run) -> int:
+    """How many tries the run has when it is finished."""
+    suite = run.suite
+    cells = len(suite.approaches) * len(suite.families) * len(suite.seeds) * len(suite.values)
+    return (cells - Counter(row.task is None for row in run.rows)[True]) * suite.tasks
+
+
+def _config(suite: Suite, vlm: str) -> dict[str, Any]:
+    return {"suite": suite.model_dump(mode="json"), "vlm": vlm}
+
+
+def _jobs(folder: Path, suite: Suite, catalogue: Catalogue, vlm: str, answers: Path, mode: StoreMode) -> list[Job]:
+    return [
+        Job(folder, suite, family, seed, value, vlm, answers, mode, catalogue)
+        for family in suite.families
+        for value in suite.values
+        for seed in suite.seeds
+    ]
+
+
+def _learned(jobs: list[Job]) -> dict[str, dict[str, Any]]:
+    found = {}
+    for job in jobs:
+        for name in job.suite.approaches:
+            learned = _read(job.folder / job.place / name / "learned.json")
+            if learned:
+                found[f"{job.place.removeprefix('cells/')}/{name}"] = learned
+    return found
+
+
+def _read(path: Path) -> dict[str, Any]:
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}

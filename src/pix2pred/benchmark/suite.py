@@ -1,0 +1,147 @@
+"""Suites are data: which approaches, families, seeds and settings a benchmark runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from pix2pred.pipeline import Settings
+from pix2pred.planning import AStar, Bounded, GreedyBestFirst, Planner, Portfolio
+from pix2pred.structs.documents import UnknownNameError
+
+_SUITES = files("pix2pred.benchmark") / "suites"
+
+
+class SuiteError(ValueError):
+    """A suite that cannot be run; the message says where and why."""
+
+
+class Budgets(BaseModel):
+    """Limits of one search for a plan at test time. Beyond any of them the outcome is ``budget``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    ground_operators: int = Field(50_000, ge=1, description="reachable ground operators")
+    optimal_nodes: int = Field(5_000, ge=1, description="created nodes of A* with LM-cut, which is tried first")
+    nodes: int = Field(200_000, ge=1, description="created nodes of greedy search with FF")
+    megabytes: int = Field(500, ge=1, description="memory of the created nodes")
+    operator_visits: int = Field(50_000_000, ge=1, description="created nodes times ground operators")
+
+    def planner(self) -> Planner:
+        """Optimal where that is cheap, greedy otherwise."""
+
+        def bounded(nodes: int) -> Portfolio:
+            return Portfolio((AStar(max_nodes=min(nodes, self.optimal_nodes)), GreedyBestFirst(max_nodes=nodes)))
+
+        search = Bounded(bounded, self.nodes, self.megabytes, self.operator_visits)
+        return Planner(search, max_operators=self.ground_operators)
+
+
+class FamilyEntry(BaseModel):
+    """A task family. ``family`` absent means the first one of the domain."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: str = Field(pattern=r"^[a-z0-9][a-z0-9\-]*$", description="what rows and claims call it")
+    domain: str
+    family: str | None = None
+    settings: dict[str, Any] = Field(default_factory=dict, description="as in a project's settings, by section")
+    shown_demos: int | None = Field(None, ge=1, description="demonstrations that a planning prompt shows at most")
+
+    @model_validator(mode="after")
+    def _check_settings(self) -> FamilyEntry:
+        Settings.model_validate(self.settings)
+        return self
+
+
+class Axis(BaseModel):
+    """What a sweep varies.
+
+    ``demonstrations``: how many of them are learned from; ``items``: movable things in the test scenes; ``pool``: how
+    many visual candidates are left, drawn at random; ``label-noise``: the share of labels turned round.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    of: Literal["demonstrations", "items", "pool", "label-noise"]
+    values: tuple[float, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _check_values(self) -> Axis:
+        counts = self.of != "label-noise"
+        if any((v < 1 or v != int(v)) if counts else not 0 <= v < 1 for v in self.values):
+            raise ValueError(f"values of {self.of} are {'whole numbers from 1' if counts else 'shares below 1'}")
+        return self
+
+
+class Suite(BaseModel):
+    """A benchmark: every approach on every family, seed and value of the axis."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    name: str
+    about: str
+    approaches: tuple[str, ...] = Field(min_length=1)
+    families: tuple[FamilyEntry, ...] = Field(min_length=1)
+    seeds: tuple[int, ...] = Field(min_length=1)
+    tasks: int = Field(10, ge=1, description="test tasks per seed")
+    budgets: Budgets = Field(default_factory=Budgets)
+    settings: dict[str, Any] = Field(default_factory=dict, description="settings of all families, by section")
+    axis: Axis | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Suite:
+        for what, found in (
+            ("approach", self.approaches),
+            ("family", [f.name for f in self.families]),
+            ("seed", self.seeds),
+        ):
+            twice = [x for i, x in enumerate(found) if x in found[:i]]
+            if twice:
+                raise ValueError(f"{what} {twice[0]!r} is listed twice")
+        return self
+
+    @property
+    def values(self) -> tuple[float | None, ...]:
+        """The values of the axis, or None once."""
+        return self.axis.values if self.axis else (None,)
+
+    def settings_of(self, entry: FamilyEntry, learning: Mapping[str, Any]) -> Settings:
+        """The settings of a family: its domain's for ``learning``, then the suite's, then its own in this suite."""
+        merged: dict[str, Any] = {"learning": dict(learning)}
+        for source in (self.settings, entry.settings):
+            for section, given in source.items():
+                both = isinstance(given, dict) and isinstance(merged.get(section), dict)
+                merged[section] = {**merged[section], **given} if both else given
+        return Settings.model_validate(merged)
+
+
+def suite_names() -> list[str]:
+    """The suites that come with the package."""
+    return sorted(p.name.removesuffix(".yaml") for p in _SUITES.iterdir() if p.name.endswith(".yaml"))
+
+
+def load_suite(name: str) -> Suite:
+    """A suite by name, or from the YAML file ``name``. Raises ``SuiteError`` or ``UnknownNameError``."""
+    if name.endswith((".yaml", ".yml")):
+        try:
+            text = Path(name).read_text(encoding="utf-8")
+        except OSError as error:
+            raise SuiteError(f"{name}: cannot be read ({error.strerror})") from error
+    elif name in suite_names():
+        text = (_SUITES / f"{name}.yaml").read_text(encoding="utf-8")
+    else:
+        raise UnknownNameError("suite", name, suite_names())
+    try:
+        return Suite.model_validate(yaml.safe_load(text))
+    except yaml.YAMLError as error:
+        raise SuiteError(f"{name}: is no YAML file ({' '.join(str(error).split())[:200]})") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise SuiteError(f"{name}: {where or 'suite'}: {first['msg']} (found {str(first['input'])[:80]})") from error

@@ -1,0 +1,67 @@
+"""What the axis of a sweep does to a cell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, runtime_checkable
+
+from pix2pred.approach import Approach, Composition
+from pix2pred.benchmark.suite import Axis
+from pix2pred.structs import Demo
+from pix2pred.structs.environment import Domain, SimulatedTask
+from pix2pred.vlm import VLM
+from pix2pred.vlm.flips import FlippingVLM
+
+
+class NotAvailableError(LookupError):
+    """A cell that cannot be run here; the message says why."""
+
+
+@runtime_checkable
+class Sized(Protocol):
+    """A domain that makes test tasks of a chosen size."""
+
+    def sized_tasks(self, family: str, seed: int, count: int, items: int) -> Sequence[SimulatedTask]:
+        """``count`` tasks with ``items`` movable things. Raises ``ValueError`` when the family has none."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a cell is about: varied by a sweep, as it is otherwise."""
+
+    approach: Approach
+    demos: Sequence[Demo]
+    vlm: VLM
+
+
+def vary(setting: Setting, axis: Axis | None, value: float | None, seed: int) -> Setting:
+    """``setting`` at ``value`` of ``axis``. Raises ``NotAvailableError``."""
+    if axis is None or value is None or axis.of == "items":
+        return setting
+    match axis.of:
+        case "demonstrations":
+            if value > len(setting.demos):
+                raise NotAvailableError(f"the family has {len(setting.demos)} demonstrations")
+            return replace(setting, demos=setting.demos[: int(value)])
+        case "pool":
+            if not isinstance(setting.approach, Composition):
+                raise NotAvailableError(f"{setting.approach.name} has no pool of candidates")
+            return replace(setting, approach=setting.approach.limited(int(value), seed))
+        case "label-noise":
+            return replace(setting, vlm=FlippingVLM(setting.vlm, value, seed)) if value else setting
+
+
+def tasks_for(
+    domain: Domain, family: str, seed: int, count: int, axis: Axis | None, value: float | None
+) -> Sequence[SimulatedTask]:
+    """The test tasks of a cell. Raises ``NotAvailableError``."""
+    if axis is None or value is None or axis.of != "items":
+        return domain.tasks(family, seed, count)
+    if not isinstance(domain, Sized):
+        raise NotAvailableError(f"{domain.name} makes no tasks of a chosen size")
+    try:
+        return domain.sized_tasks(family, seed, count, int(value))
+    except ValueError as error:
+        raise NotAvailableError(str(error)) from error

@@ -1,0 +1,123 @@
+"""``answers``: looking into an answer store, checking it, and making a copy to share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+from rich.markup import escape
+from rich.table import Table
+
+from pix2pred.cli.console import err, out, print_json
+from pix2pred.registry import RegistryError
+from pix2pred.vlm import AnswerStore
+from pix2pred.vlm.inspection import export as export_answers
+from pix2pred.vlm.inspection import find, problems, read_stored
+
+answers = App(name="answers", help="Look into an answer store (a run folder, or the folder of --answers).")
+
+
+def _store(directory: Path) -> AnswerStore:
+    if not (directory / "answers").is_dir():
+        raise RegistryError(f"{directory}: holds no answers (no folder 'answers' in it)")
+    return AnswerStore(directory)
+
+
+@answers.command(name="list")
+def list_answers(
+    directory: Path,
+    /,
+    *,
+    model: Annotated[str | None, Parameter(help="Only answers of this model.")] = None,
+    purpose: Annotated[str | None, Parameter(help="Only propose, label or double-check.")] = None,
+    finish: Annotated[str | None, Parameter(help="Only complete, 'cut short', refused or none.")] = None,
+    json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+) -> int:
+    """List stored answers.
+
+    Example: pix2pred answers list runs/stacks --purpose label
+    """
+    store = _store(directory)
+    entries = [read_stored(store, key) for key in store.all_keys()]
+    chosen = [
+        e
+        for e in entries
+        if model in (None, e.model) and purpose in (None, e.purpose) and finish in (None, e.answer.finish.value)
+    ]
+    rows = [
+        {
+            "key": e.key,
+            "purpose": e.purpose,
+            "model": e.model,
+            "finish": e.answer.finish.value,
+            "pictures": len(e.pictures),
+            "tokens": [e.answer.spent.input_tokens, e.answer.spent.output_tokens],
+            "begins": " ".join(e.answer.text.split())[:60],
+        }
+        for e in chosen
+    ]
+    if json:
+        print_json({"answers": rows})
+        return 0
+    table = Table(box=None)
+    for column in ("key", "purpose", "model", "finish", "answer begins"):
+        table.add_column(column)
+    for row in rows:
+        cells = (str(row["key"])[:12], row["purpose"], row["model"], row["finish"], row["begins"])
+        table.add_row(*(escape(str(cell)) for cell in cells))
+    out.print(table)
+    out.print(f"{len(rows)} answers")
+    return 0
+
+
+@answers.command
+def show(directory: Path, key: str, /) -> int:
+    """Show a question and its answer; KEY may be the beginning of one.
+
+    Example: pix2pred answers show runs/stacks 1f3a9c
+    """
+    store = _store(directory)
+    entry = find(store, key)
+    asked = {name: entry.request[name] for name in ("temperature", "max_tokens", "sample", "attempt")}
+    out.print(f"{entry.purpose} query of {entry.model}, {asked}", markup=False)
+    for part in entry.request["parts"]:
+        shown = part if isinstance(part, str) else f"[{part['heading'] or 'picture'}: {store.blob(part['pixels'])}]"
+        out.print(f"\n{shown}", markup=False, soft_wrap=True)
+    out.print(f"\n--- answer ({entry.answer.finish.value}) ---\n{entry.answer.text}", markup=False, soft_wrap=True)
+    return 0
+
+
+@answers.command
+def export(
+    directory: Path,
+    /,
+    *,
+    out_file: Annotated[Path, Parameter(name="--out", help="Zip file to write.")],
+    model: Annotated[str | None, Parameter(help="Only answers of this model.")] = None,
+) -> int:
+    """Write answers and pictures into a zip file; unpacked over another store it adds to it.
+
+    Example: pix2pred answers export runs/stacks --out answers.zip
+    """
+    store = _store(directory)
+    count = export_answers(store, out_file, model)
+    err.print(f"{count} answers in {out_file}", markup=False)
+    return 0
+
+
+@answers.command
+def verify(directory: Path, /, *, json: Annotated[bool, Parameter(help="Print one JSON object.")] = False) -> int:
+    """Check that every answer is whole, has the key of its question, and has its pictures.
+
+    Example: pix2pred answers verify runs/stacks
+    """
+    store = _store(directory)
+    found = list(problems(store))
+    if json:
+        print_json({"answers": len(store.all_keys()), "problems": found})
+    else:
+        for problem in found:
+            out.print(problem, markup=False, soft_wrap=True)
+        out.print(f"{len(store.all_keys())} answers, " + (f"{len(found)} problem(s)" if found else "no problems"))
+    return 2 if found else 0

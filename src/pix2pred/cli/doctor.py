@@ -1,0 +1,117 @@
+"""``doctor``: what is installed, which providers have keys, whether a model answers and whether rendering works."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import Annotated
+
+import numpy as np
+from cyclopts import Parameter
+
+from pix2pred import __version__
+from pix2pred.cli.console import out, print_json
+from pix2pred.images import ShownPictures
+from pix2pred.registry import RegistryError, load_domain, load_vlm
+from pix2pred.structs import Box, Image, Picture
+from pix2pred.structs.views import View
+from pix2pred.vlm import Finish, FlowSettings, Request, VLMError
+from pix2pred.vlm.hosted import key_of_provider
+from pix2pred.vlm.model_names import KEY_VARIABLES
+
+_PACKAGES = {
+    "core": ("pydantic-ai-slim", "openai", "genai-prices", "numpy", "pillow", "scikit-learn"),
+    "[anthropic]": ("anthropic",),
+    "[google]": ("google-genai",),
+    "[sim]": ("mujoco",),
+    "[torch]": ("torch",),
+    "[planners]": ("unified-planning",),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that was looked at; ``ok`` is ``None`` for what is merely not there."""
+
+    what: str
+    ok: bool | None
+    detail: str
+
+
+def doctor(
+    *,
+    vlm: Annotated[
+        str | None, Parameter(help="Also ask this model about two pictures; a paid model costs a bit.")
+    ] = None,
+    json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+) -> int:
+    """Say what is installed, which providers have keys (never the keys), and whether models and rendering work.
+
+    Example: pix2pred doctor --vlm openai:gpt-4o
+    """
+    findings = [*_installed(), *_keys(), _rendering(), *([_model(vlm)] if vlm else [])]
+    if json:
+        print_json({"findings": [{"what": f.what, "ok": f.ok, "detail": f.detail} for f in findings]})
+    else:
+        signs = {True: "ok", None: "--", False: "NO"}
+        for finding in findings:
+            out.print(f"{signs[finding.ok]:<3}{finding.what:<27} {finding.detail}", markup=False, soft_wrap=True)
+    return 1 if any(f.ok is False for f in findings) else 0
+
+
+def _installed() -> Iterator[Finding]:
+    yield Finding("pix2pred", True, f"{__version__} with Python {platform.python_version()} on {sys.platform}")
+    for extra, packages in _PACKAGES.items():
+        for name in packages:
+            try:
+                yield Finding(f"{name} {extra}", True, version(name))
+            except PackageNotFoundError:
+                needed = extra == "core"
+                install = "reinstall pix2pred" if needed else f"pip install 'pix2pred{extra}'"
+                yield Finding(f"{name} {extra}", False if needed else None, f"not installed ({install})")
+
+
+def _keys() -> Iterator[Finding]:
+    for provider, names in KEY_VARIABLES.items():
+        has = key_of_provider(provider) is not None
+        yield Finding(f"key for {provider}", True if has else None, "is set" if has else f"set {' or '.join(names)}")
+
+
+def _rendering() -> Finding:
+    try:
+        task = load_domain("burger").tasks("more-stacks", 0, 1)[0].task
+        picture = task.initial.pictures[0]
+        size = len(ShownPictures()(View(picture, 0, heading="state 0")))
+    except Exception as error:  # a report of what does not work ends with no traceback
+        return Finding("rendering", False, f"{type(error).__name__}: {error}")
+    return Finding("rendering", True, f"a burger scene with marks and heading, {size} bytes of PNG")
+
+
+def _model(spec: str) -> Finding:
+    views = [View(_square(color, name), t, heading=f"state {t}") for t, (color, name) in enumerate(_SQUARES)]
+    text = "Below are two pictures. Say in one short sentence which colour the square has in each."
+    request = Request("doctor", (text, *views), 300)
+    flow = FlowSettings(tries=3, timeout=60.0, longest_pause=3.0)
+    try:
+        answer = load_vlm(spec, None, flow).answer(request)
+    except (VLMError, RegistryError) as error:
+        return Finding(spec, False, str(error))
+    said = " ".join(answer.text.split())[:160]
+    took = f"{answer.spent.seconds:.1f} s, {answer.spent.input_tokens} + {answer.spent.output_tokens} tokens"
+    if answer.finish == Finish.REFUSED or not said:
+        return Finding(
+            spec, False, f"answered two pictures with nothing of use ({answer.finish.value}: {said!r}; {took})"
+        )
+    return Finding(spec, True, f"answers two pictures (red, then blue): {said!r} ({took})")
+
+
+_SQUARES = (((200, 30, 30), "red"), ((30, 30, 200), "blue"))
+
+
+def _square(color: tuple[int, int, int], name: str) -> Picture:
+    pixels = np.full((128, 128, 3), 235, dtype=np.uint8)
+    pixels[32:96, 32:96] = color
+    return Picture(name, Image.from_pixels(pixels), {"square": Box(32.0, 32.0, 96.0, 96.0)})

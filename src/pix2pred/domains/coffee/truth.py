@@ -1,0 +1,76 @@
+"""Ground truth of visual words, for tests, for training the reader, and for naming failures once they happened."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from pix2pred.domains.coffee.environment import CoffeeEnvironment
+from pix2pred.domains.coffee.geometry import FULL_JUG
+from pix2pred.domains.coffee.motion import cup_below, pouring_over, pressing
+from pix2pred.domains.coffee.skills import handle_reachable
+from pix2pred.domains.coffee.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Concept:
+    """What a word means here: the type names of its arguments and its value in a world."""
+
+    types: tuple[str, ...]
+    value: Callable[..., bool]
+
+
+def _receiving(world: World, cup: str) -> bool:
+    below = pouring_over(world)
+    return below is not None and below.name == cup
+
+
+def _jug_above(world: World, jug: str, cup: str) -> bool:
+    below = cup_below(world) if world.jug.held else None
+    return below is not None and below.name == cup
+
+
+def _jug_on_table(world: World, jug: str) -> bool:
+    return not world.jug.held and not world.jug_in_machine
+
+
+def _larger(world: World, a: str, b: str) -> bool:
+    return world.cup(a).capacity > world.cup(b).capacity
+
+
+CONCEPTS: Mapping[str, Concept] = {
+    "cup_filled": Concept(("cup",), lambda w, cup: w.cup(cup).filled),
+    "cup_receiving": Concept(("cup",), _receiving),
+    "jug_filled": Concept(("jug",), lambda w, jug: w.jug.level >= FULL_JUG - 1e-6),
+    "jug_has_coffee": Concept(("jug",), lambda w, jug: w.jug.level > 0),
+    "jug_in_machine": Concept(("jug", "coffee_machine"), lambda w, jug, machine: w.jug_in_machine),
+    "jug_on_table": Concept(("jug",), _jug_on_table),
+    "jug_held": Concept(("jug",), lambda w, jug: w.jug.held),
+    "jug_tilted": Concept(("jug",), lambda w, jug: abs(w.jug_tilt) > math.radians(20)),
+    "jug_above": Concept(("jug", "cup"), _jug_above),
+    "handle_reachable": Concept(("jug",), lambda w, jug: handle_reachable(w)),
+    "machine_on": Concept(("coffee_machine",), lambda w, machine: w.machine_on),
+    "machine_occupied": Concept(("coffee_machine",), lambda w, machine: w.jug_in_machine),
+    "hand_empty": Concept(("robot",), lambda w, robot: not w.jug.held),
+    "holding": Concept(("robot", "jug"), lambda w, robot, jug: w.jug.held),
+    "pressing": Concept(("robot", "coffee_machine"), lambda w, robot, machine: pressing(w)),
+    "larger": Concept(("cup", "cup"), _larger),
+}
+"""Every word with a ground truth. ``jug_filled``: to the mark, so that it ends with the first cup poured."""
+
+
+def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
+    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
+    if concept not in CONCEPTS:
+        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
+    wanted = CONCEPTS[concept].types
+    types = world.types()
+    if len(names) != len(wanted) or any(types.get(n) != t for n, t in zip(names, wanted, strict=True)):
+        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
+    return CONCEPTS[concept].value(world, *names)
+
+
+def value_now(environment: CoffeeEnvironment, concept: str, names: Sequence[str]) -> bool:
+    """The value of ``concept`` in the environment's present state."""
+    return concept_value(environment.world, concept, names)

@@ -1,0 +1,77 @@
+"""The kitchen as the rest of the system sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pix2pred.domains.kitchen.environment import KitchenEnvironment
+from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, Split, boiling, push_kettle, start_world, turn_on
+from pix2pred.domains.kitchen.vocabulary import OBJECTS, VOCABULARY
+from pix2pred.domains.kitchen.world import World
+from pix2pred.structs import Demo, Task, Vocabulary
+from pix2pred.structs.environment import SimulatedTask, SimulatorState, StepStatus
+
+
+class KitchenDomain:
+    """Boil a kettle: demonstrations on the back left burner, tests on the back right one."""
+
+    name: str = "kitchen"
+    families: Sequence[str] = ("boil",)
+    reader: Path | None = Path(__file__).parent / "reader"
+
+    def vocabulary(self, family: str) -> Vocabulary:
+        """Types, skills and given predicates."""
+        self._check(family)
+        return VOCABULARY
+
+    def settings(self, family: str) -> Mapping[str, Any]:
+        """The published learning settings (method 10.7)."""
+        self._check(family)
+        return {"h_pre_frac": 0.8, "h_data_frac": 0.05, "j_threshold": 100}
+
+    def demonstrations(self, family: str, seed: int) -> Sequence[Demo]:
+        """Three demonstrations: turn on knob 4, push the kettle onto burner 4."""
+        self._check(family)
+        return tuple(
+            _demonstrate(f"{family}-{i:02d}", start_world(seed, Split.DEMONSTRATIONS, i, LEFT)) for i in range(3)
+        )
+
+    def tasks(self, family: str, seed: int, count: int = 10) -> Sequence[SimulatedTask]:
+        """Tasks with the kettle in front on the right: boil it on burner 3."""
+        self._check(family)
+        goal = boiling("3")
+        tasks = []
+        for index in range(count):
+            world = start_world(seed, Split.TASKS, index, RIGHT)
+            initial = KitchenEnvironment(world, goal).observe()
+            tasks.append(SimulatedTask(Task(f"{family}-test-{index}", OBJECTS, initial, goal), world.to_dict()))
+        return tuple(tasks)
+
+    def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> KitchenEnvironment:
+        """A fresh episode of a task. Raises ``ValueError`` when the simulator state is not one of the kitchen."""
+        if disturb:
+            raise ValueError("the kitchen knows no disturbances")
+        if set(task.objects) != set(OBJECTS):
+            raise ValueError(f"task {task.name}: its objects are not those of the kitchen")
+        return KitchenEnvironment(World.from_dict(simulator), task.goal)
+
+    def _check(self, family: str) -> None:
+        if family not in self.families:
+            raise ValueError(f"kitchen has no family {family!r}; choose from {', '.join(self.families)}")
+
+
+def _demonstrate(name: str, world: World) -> Demo:
+    actions = (turn_on("4"), push_kettle("4"))
+    goal = boiling("4")
+    environment = KitchenEnvironment(world, goal)
+    states = [environment.observe()]
+    for action in actions:
+        step = environment.execute(action)
+        if step.status is not StepStatus.DONE:
+            raise RuntimeError(f"demonstration {name}: {step.detail}")
+        states.append(environment.observe())
+    if not environment.goal_reached():
+        raise RuntimeError(f"demonstration {name}: the kettle does not boil")
+    return Demo(name, OBJECTS, tuple(states), actions, goal)

@@ -1,0 +1,60 @@
+"""Types, objects, skills and given predicates of the kitchen (method 10.1)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from pix2pred.structs import FromDomain, Object, Predicate, Skill, Type, Vocabulary
+
+_PLACE = ("x", "y", "z")
+
+OBJECT = Type("object", _PLACE)
+GRIPPER = Type("gripper", (*_PLACE, "qw", "qx", "qy", "qz"), OBJECT)
+ON_OFF = Type("on_off", (*_PLACE, "angle"), OBJECT)
+HINGE_DOOR = Type("hinge_door", (*_PLACE, "angle"), ON_OFF)
+KNOB = Type("knob", (*_PLACE, "angle"), ON_OFF)
+SWITCH = Type("switch", (*_PLACE, "angle"), ON_OFF)
+SURFACE = Type("surface", _PLACE, OBJECT)
+KETTLE = Type("kettle", _PLACE, OBJECT)
+
+TYPES = (OBJECT, GRIPPER, ON_OFF, HINGE_DOOR, KNOB, SWITCH, SURFACE, KETTLE)
+
+_KINDS: Mapping[str, Type] = {
+    "gripper": GRIPPER,
+    "kettle": KETTLE,
+    **{f"knob{i}": KNOB for i in range(1, 5)},
+    **{f"burner{i}": SURFACE for i in range(1, 5)},
+    "light": SWITCH,
+    "slide": HINGE_DOOR,
+    "hinge1": HINGE_DOOR,
+    "hinge2": HINGE_DOOR,
+    "microhandle": HINGE_DOOR,
+}
+
+OBJECTS: tuple[Object, ...] = tuple(sorted(Object(name, kind, name) for name, kind in _KINDS.items()))
+"""Every object of every scene. Burners and knobs: 1 front right, 2 front left, 3 back right, 4 back left."""
+
+OBJECT_OF: Mapping[str, Object] = {o.name: o for o in OBJECTS}
+
+REACH = 0.3
+"""Metres: bound of the offsets a push may start from."""
+
+TURN_ON_KNOB = Skill("MoveAndTurnOnKnob", (GRIPPER, KNOB), (-math.pi,), (math.pi,))
+"""Its parameter is the direction of the push in the x-y plane, in radians from x (to the right) towards y."""
+
+PUSH_KETTLE = Skill(
+    "PushKettleOntoBurner",
+    (GRIPPER, KETTLE, SURFACE),
+    (-REACH, -REACH, -REACH, -math.pi),
+    (REACH, REACH, REACH, math.pi),
+)
+"""Its parameters: where the push starts, relative to the kettle's handle (metres), and its direction, from y."""
+
+SKILLS = (TURN_ON_KNOB, PUSH_KETTLE)
+
+KETTLE_BOILING = Predicate("KettleBoiling", (KETTLE, SURFACE, KNOB), FromDomain())
+LINKED = Predicate("KnobAndBurnerLinked", (KNOB, SURFACE), FromDomain())
+INITIAL = (KETTLE_BOILING, LINKED)
+
+VOCABULARY = Vocabulary("kitchen", TYPES, SKILLS, INITIAL)

@@ -1,0 +1,141 @@
+"""When hill climbing stops, and which of several good candidates it takes (method 6.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from pix2pred.learning.clustering import Partition
+from pix2pred.learning.learner import OperatorLearner
+from pix2pred.learning.objective import Score
+from pix2pred.learning.refinement import BACKTRACK
+
+
+@dataclass(frozen=True, slots=True)
+class Scored:
+    """A candidate added to the current set, with the refined partition and its score."""
+
+    predicate: int
+    chosen: tuple[int, ...]
+    classes: Partition
+    score: Score
+
+
+class ClimbingRule(Protocol):
+    """The decisions of a hill climb. With ``looks_back``, predicates that later ones made superfluous are dropped."""
+
+    @property
+    def looks_back(self) -> bool:
+        """Whether sets with one predicate fewer are tried at the end."""
+        ...
+
+    def finished(self, reached: Score) -> bool:
+        """Whether nothing is left to gain."""
+        ...
+
+    def ceiling(self, j: float) -> float:
+        """The largest J with which a candidate can still be taken when another has ``j``."""
+        ...
+
+    def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
+        """The candidate to take, out of those that improve J, which come in order of name."""
+        ...
+
+    def worthwhile(self, before: Score, after: Score) -> bool:
+        """Whether the chosen candidate buys enough to be taken."""
+        ...
+
+    def as_good(self, fewer: Score, reached: Score) -> bool:
+        """Whether a set with one predicate fewer serves as well."""
+        ...
+
+
+def best_explained(learner: OperatorLearner, rivals: Sequence[Scored]) -> Scored:
+    """The cheapest, then the one whose labels its own operators explain best, then the first by name.
+
+    A visual predicate costs its number of arguments; feature and quantified predicates cost more; doubt adds to it.
+    """
+    return min(rivals, key=lambda s: (learner.price(s.predicate), learner.unexplained(s.classes, s.chosen)))
+
+
+@dataclass(frozen=True, slots=True)
+class Published:
+    """The published rules: a threshold on J or on its last improvement, and the strictly smallest J, first by name.
+
+    With ``margin`` above 0 all candidates within it compete, and the best explained wins (engine, ties).
+    """
+
+    early_stop: Literal["level", "improvement"]
+    j_threshold: float
+    margin: float = 0.0
+
+    def finished(self, reached: Score) -> bool:
+        """See ``ClimbingRule``."""
+        return self.early_stop == "level" and reached.total <= self.j_threshold
+
+    def ceiling(self, j: float) -> float:
+        """See ``ClimbingRule``."""
+        return j + self.margin
+
+    def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
+        """See ``ClimbingRule``."""
+        smallest = min(s.score.total for s in scored)
+        rivals = [s for s in scored if s.score.total <= self.ceiling(smallest)]
+        return rivals[0] if self.margin == 0 or len(rivals) == 1 else best_explained(learner, rivals)
+
+    def worthwhile(self, before: Score, after: Score) -> bool:
+        """See ``ClimbingRule``. Under the improvement rule the last candidate, which buys too little, is not added
+        (method 14.2)."""
+        return self.early_stop == "level" or before.total - after.total > self.j_threshold
+
+    @property
+    def looks_back(self) -> bool:
+        """See ``ClimbingRule``."""
+        return False
+
+    def as_good(self, fewer: Score, reached: Score) -> bool:
+        """See ``ClimbingRule``."""
+        return False
+
+
+@dataclass(frozen=True, slots=True)
+class Explained:
+    """Climb while a predicate explains something: nothing to tune.
+
+    J is made of nodes, which grow with the size of a task, and of charges for plans of the wrong length, which do not
+    and which say that a predicate is missing. A candidate has to save half a back-track, or most of the nodes.
+    """
+
+    tolerance: float = 0.25
+    """Candidates whose J is at most this much larger than the smallest compete if they save as many charges."""
+
+    drop: float = 1 / 3
+    """What is left of J when a candidate that saves no charges is taken all the same."""
+
+    def finished(self, reached: Score) -> bool:
+        """See ``ClimbingRule``."""
+        return False
+
+    def ceiling(self, j: float) -> float:
+        """See ``ClimbingRule``."""
+        return j * (1 + self.tolerance) + 1
+
+    def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
+        """See ``ClimbingRule``."""
+        best = min(scored, key=lambda s: s.score.total)
+        rivals = [s for s in scored if s.score.total <= self.ceiling(best.score.total)]
+        return best_explained(learner, [s for s in rivals if s.score.charges <= best.score.charges + BACKTRACK / 2])
+
+    def worthwhile(self, before: Score, after: Score) -> bool:
+        """See ``ClimbingRule``."""
+        return before.charges - after.charges >= BACKTRACK / 2 or after.total <= self.drop * before.total
+
+    @property
+    def looks_back(self) -> bool:
+        """See ``ClimbingRule``."""
+        return True
+
+    def as_good(self, fewer: Score, reached: Score) -> bool:
+        """See ``ClimbingRule``."""
+        return fewer.total <= self.ceiling(reached.total) and fewer.charges <= reached.charges + BACKTRACK / 2

@@ -1,0 +1,102 @@
+"""What a sampler learns from: parameters that had an operator's effects, and parameters that did not (method 7).
+
+The method takes negatives under every type-consistent grounding. Here the skill's arguments stay bound to the objects
+the skill was run with, and only groundings whose preconditions held count: where an operator was not applicable, its
+effects staying away says nothing about the parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pix2pred.structs import AbstractState, Action, Demo, GroundOperator, LabelledDemo, Object, Operator, groundings
+from pix2pred.structs.samplers import Features
+
+Rows = NDArray[np.float64]
+
+MOST_NEGATIVES = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class SamplerData:
+    """Inputs (features of the objects an operator is bound to) and parameters, one row per example."""
+
+    inputs: Rows
+    params: Rows
+    bad_inputs: Rows
+    bad_params: Rows
+
+
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    """One run of a skill: where, with what, and what changed."""
+
+    features: Features
+    objects: tuple[Object, ...]
+    before: AbstractState
+    action: Action
+    added: AbstractState
+    deleted: AbstractState
+
+
+def input_row(features: Features, objects: Sequence[Object]) -> Rows:
+    """The features of ``objects``, one after the other. Raises ``ValueError`` when an object has none."""
+    missing = [o.name for o in objects if o not in features]
+    if missing:
+        raise ValueError(f"a sampler needs the features of {missing[0]}, and there are none")
+    return np.array([value for item in objects for value in features[item]], dtype=float)
+
+
+def sampler_data(operator: Operator, demos: Sequence[Demo], labelled: Sequence[LabelledDemo]) -> SamplerData:
+    """The examples of one operator. ``labelled`` holds the labels of ``demos``, over the predicates of operators."""
+    good, bad = list[tuple[Rows, Rows]](), list[tuple[Rows, Rows]]()
+    for tried in _runs(operator, demos, labelled):
+        params = np.array(tried.action.params, dtype=float)
+        bound = list(_bindings(operator, tried))
+        own = _explains(tried, bound)
+        if own is not None:
+            good.append((input_row(tried.features, own.objects), params))
+        for ground in bound:
+            happened = ground.add <= tried.added and ground.delete <= tried.deleted
+            if not happened and ground.preconditions <= tried.before:
+                bad.append((input_row(tried.features, ground.objects), params))
+    d = operator.skill.dimension
+    width = sum(len(v.type.features) for v in operator.parameters)
+    return SamplerData(*_stack(good, width, d), *_stack(bad[:MOST_NEGATIVES], width, d))
+
+
+def _runs(operator: Operator, demos: Sequence[Demo], labelled: Sequence[LabelledDemo]) -> Iterator[_Tried]:
+    for demo, labels in zip(demos, labelled, strict=True):
+        states = labels.abstract_states()
+        for t, action in enumerate(demo.actions):
+            if action.skill == operator.skill:
+                before, after = states[t], states[t + 1]
+                features = demo.states[t].features
+                yield _Tried(features, demo.objects, before, action, after - before, before - after)
+
+
+def _bindings(operator: Operator, tried: _Tried) -> Iterator[GroundOperator]:
+    """The operator with the skill's arguments bound as they were and the other parameters to anything that fits."""
+    fixed = dict(zip(operator.skill_args, tried.action.objects, strict=True))
+    free = [v for v in operator.parameters if v not in fixed]
+    others = [o for o in tried.objects if o not in fixed.values()]
+    for chosen in islice(groundings([v.type for v in free], others, distinct=True), MOST_NEGATIVES):
+        binding = fixed | dict(zip(free, chosen, strict=True))
+        yield operator.ground(tuple(binding[v] for v in operator.parameters))
+
+
+def _explains(tried: _Tried, bound: Sequence[GroundOperator]) -> GroundOperator | None:
+    """The binding whose effects are exactly what changed; among several one whose preconditions held."""
+    exact = [g for g in bound if g.add == tried.added and g.delete == tried.deleted]
+    return next((g for g in exact if g.preconditions <= tried.before), exact[0] if exact else None)
+
+
+def _stack(rows: Sequence[tuple[Rows, Rows]], width: int, dimension: int) -> tuple[Rows, Rows]:
+    if not rows:
+        return np.zeros((0, width)), np.zeros((0, dimension))
+    return np.stack([x for x, _ in rows]), np.stack([p for _, p in rows])

@@ -1,0 +1,34 @@
+"""How states are labelled."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class LabelSettings(BaseModel):
+    """How states are labelled."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    style: Literal["cot", "terse"] = Field("cot", description="explanations in the first state, or none")
+    double_check: bool = Field(True, description="second query after t = 0, in training only")
+    crops: bool = Field(True, description="also show the part of the scene the skill was about, before and after")
+    marks: bool = Field(True, description="write object names into the pictures (simulation: yes, photos: no)")
+    missing: Literal["carry_previous", "false"] = Field(
+        "carry_previous", description="value of an atom that no answer gives one after t = 0 (at t = 0: false)"
+    )
+    max_atoms_per_query: int | None = Field(None, ge=1, description="split longer lists of atoms")
+    attempts: int = Field(3, ge=1, description="queries before atoms without a value are given up")
+    hints: tuple[str, ...] = Field((), description="sentences about the domain added to later-state queries")
+    temperature: float = Field(0.0, ge=0, le=2, description="of the model's sampling (paper: 0)")
+    votes: int = Field(1, ge=1, le=99, description="samples per query; the majority decides")
+    vote_temperature: float = Field(0.7, ge=0, le=2, description="at least this, when there are several samples")
+    logprobs: bool = Field(False, description="ask for token probabilities and keep them as confidence, where given")
+    structured: bool = Field(False, description="ask for JSON that follows a schema, where the model can do that")
+
+    @property
+    def sampling_temperature(self) -> float:
+        """The temperature of labelling queries: samples that are to differ need one."""
+        return self.temperature if self.votes == 1 else max(self.temperature, self.vote_temperature)

@@ -1,0 +1,145 @@
+"""A mailbox: questions as folders, answered by hand or by a model behind a chat window.
+
+    DIR/README.md                      how to answer
+    DIR/demo-0-state-1-label-1f3a9c20/ one question: prompt.md, 01.png, 02.png, ..., request.json
+        answer.txt                     the answer, put there by a person
+        problem.md                     what was wrong with an answer; that answer is now answer-returned-1.txt
+    DIR/answered/                      questions whose answer was taken
+
+Any number of questions wait at once; answers are taken in any order, also after days: the same question goes into
+the same folder, and a run that is started again finds what was answered meanwhile.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import threading
+from pathlib import Path
+
+from pix2pred.structs.files import write_whole
+from pix2pred.vlm.hosted import Draw
+from pix2pred.vlm.request import Answer, NoAnswerError, Request, VLMError
+
+ANSWERED = "answered"
+_README = """# Questions waiting for an answer
+
+Every folder here is one question. To answer it:
+
+1. Open `prompt.md`. It says everything, and shows the pictures `01.png`, `02.png`, ... in their order. To ask a model
+   in a chat window, give it the pictures in this order and the text of `prompt.md`.
+2. Write the answer into a file `answer.txt` in the same folder, in the form the question asks for.
+   Write it under another name and rename it, or simply save it: it is read once it has stopped changing.
+3. If the folder stays and a file `problem.md` appears, it says what was wrong; write `answer.txt` anew.
+
+Answered folders move to `answered/`. New questions appear as answers come in, because a question about a state holds
+the answer about the state before. You can stop the program (Ctrl-C) and run the same command again days later.
+"""
+
+
+class MailboxVLM:
+    """Implements ``VLM``: puts a question into a folder and waits until a usable answer lies beside it."""
+
+    def __init__(self, directory: Path, draw: Draw, poll: float = 0.5) -> None:
+        self.name = "mailbox"
+        self._directory = directory
+        self._draw = draw
+        self._poll = poll
+        self._stopped = threading.Event()
+
+    def answer(self, request: Request) -> Answer:
+        """Wait for the answer, however long it takes. Raises ``VLMError`` when the folder cannot be used."""
+        name = _folder_name(request, self.name)
+        try:
+            earlier = self._directory / ANSWERED / name / "answer.txt"
+            if earlier.is_file() and not _problem(request, text := _read(earlier)):
+                return Answer(text)
+            folder = self._post(name, request)
+            text = self._wait(folder, request)
+            self._file(folder)
+        except OSError as error:
+            raise VLMError(f"mailbox: {error.filename or self._directory}: {error.strerror or error}") from error
+        return Answer(text)
+
+    def stop(self) -> None:
+        """End all waiting: the run is over."""
+        self._stopped.set()
+
+    def _post(self, name: str, request: Request) -> Path:
+        """The question's folder, which appears complete or not at all."""
+        folder = self._directory / name
+        if not (self._directory / "README.md").exists():
+            write_whole(self._directory / "README.md", _README.encode())
+        if not (folder / "request.json").exists():
+            part = self._directory / f".{name}.{os.getpid()}.part"
+            shutil.rmtree(part, ignore_errors=True)
+            part.mkdir(parents=True)
+            lines = []
+            for number, item in enumerate(request.parts):
+                if isinstance(item, str):
+                    lines.append(item)
+                    continue
+                picture = f"{sum(not isinstance(p, str) for p in request.parts[: number + 1]):02}.png"
+                (part / picture).write_bytes(self._draw(item))
+                lines.append(f"![{item.heading or picture}]({picture})")
+            (part / "prompt.md").write_text("\n\n".join(lines) + "\n", encoding="utf-8")
+            document: dict[str, object] = {
+                "key": request.key(self.name),
+                "about": request.about,
+                "purpose": request.purpose,
+            }
+            document |= {"request": request.canonical(self.name)}
+            (part / "request.json").write_text(json.dumps(document, indent=1), encoding="utf-8")
+            shutil.rmtree(folder, ignore_errors=True)  # without request.json it is not a question
+            part.rename(folder)
+        return folder
+
+    def _wait(self, folder: Path, request: Request) -> str:
+        path, seen = folder / "answer.txt", None
+        while True:
+            found = path.stat() if path.is_file() else None
+            state = (found.st_mtime_ns, found.st_size) if found else None
+            if state is not None and state == seen:
+                text = _read(path)
+                problem = _problem(request, text)
+                if not problem:
+                    return text
+                self._return(folder, problem)
+            seen = state
+            if self._stopped.wait(self._poll):
+                raise NoAnswerError("the run was ended while this question waited in the mailbox")
+
+    def _return(self, folder: Path, problem: str) -> None:
+        number = 1 + sum(1 for _ in folder.glob("answer-returned-*.txt"))
+        returned = f"answer-returned-{number}.txt"
+        (folder / "answer.txt").rename(folder / returned)
+        text = (
+            f"# This answer could not be used\n\n{problem}\n\n"
+            f"The answer is now `{returned}`. Correct it and save it as `answer.txt`.\n"
+        )
+        write_whole(folder / "problem.md", text.encode())
+
+    def _file(self, folder: Path) -> None:
+        (folder / "problem.md").unlink(missing_ok=True)
+        target = self._directory / ANSWERED / folder.name
+        target.parent.mkdir(exist_ok=True)
+        shutil.rmtree(target, ignore_errors=True)
+        folder.rename(target)
+
+
+def _folder_name(request: Request, model: str) -> str:
+    about = re.sub(r"[^a-z0-9]+", "-", request.about.lower()).strip("-")[:60]
+    return "-".join(part for part in (about, request.purpose, request.key(model)[:8]) if part)
+
+
+def _read(path: Path) -> str:
+    return path.read_bytes().decode("utf-8", errors="replace").removeprefix("\ufeff").strip()
+
+
+def _problem(request: Request, text: str) -> str:
+    if not text:
+        return "The answer is empty."
+    review = request.review(text) if request.review else None
+    return review.problem if review else ""

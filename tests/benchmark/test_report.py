@@ -1,0 +1,172 @@
+"""Claims judged on made-up rows, and documents of which only the marked part changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from extras import need
+from pix2pred.benchmark import Outcome, Row, Run, Suite, SuiteError
+from pix2pred.benchmark.claims import Verdict, judge, judge_interim, load_claims
+from pix2pred.benchmark.report import END, begin, write_into, write_report
+from pix2pred.benchmark.suite import load_suite, suite_names
+from pix2pred.benchmark.tables import comparison, section
+
+Counts = Mapping[tuple[str, str], int | Outcome]
+PAPER = load_suite("paper")
+
+
+def made_up(counts: Counts, learned: Mapping[str, dict[str, Any]] | None = None, folder: Path = Path("run")) -> Run:
+    """A run of one seed in which the first ``n`` of ten tasks are solved, by (approach, family)."""
+    rows = []
+    for (approach, family), n in counts.items():
+        if isinstance(n, Outcome):
+            rows.append(Row(approach, family, None, 0, None, n))
+            continue
+        for i in range(10):
+            solved = i < n
+            outcome = Outcome.SOLVED if solved else Outcome.FAILED
+            rows.append(Row(approach, family, None, 0, f"t{i}", outcome, cause="" if solved else "wrong label"))
+    return Run(folder, PAPER.model_copy(update={"seeds": (0,)}), "offline", tuple(rows), dict(learned or {}))
+
+
+def verdict(claim: str, run: Run) -> Verdict:
+    return judge(next(c for c in load_claims().claims if c.id == claim), run).verdict
+
+
+@pytest.mark.parametrize(
+    ("claim", "counts", "expected"),
+    [
+        ("ours-above-no-invent", {("ours", "combo"): 5, ("no-invent", "combo"): 4}, Verdict.HOLDS),
+        ("ours-above-no-invent", {("ours", "combo"): 5, ("no-invent", "combo"): 5}, Verdict.FAILS),
+        ("ours-above-no-invent", {("ours", "combo"): 5}, Verdict.NOT_RUN),
+        ("ours-above-no-visual", {("ours", "kitchen"): 1, ("no-visual", "kitchen"): 9}, Verdict.NOT_RUN),
+        ("ours-above-vila-pure", {("ours", "combo"): 5, ("vila-pure", "combo"): Outcome.NEEDS_MODEL},
+         Verdict.NEEDS_MODEL),
+        ("no-subselect-fails", {("no-subselect", "combo"): 0}, Verdict.HOLDS),
+        ("no-subselect-fails", {("no-subselect", "combo"): 1}, Verdict.FAILS),
+        ("vila-fewshot-fails-when-holding", {("vila-fewshot", "combo"): 5}, Verdict.HOLDS),
+        ("vila-fewshot-fails-when-holding", {("vila-fewshot", "combo"): 6}, Verdict.FAILS),
+        ("vila-fewshot-comparable-in-kitchen", {("ours", "kitchen"): 9, ("vila-fewshot", "kitchen"): 10},
+         Verdict.HOLDS),
+        ("failures-are-wrong-labels", {("ours", "combo"): 8}, Verdict.HOLDS),
+        ("failures-are-wrong-labels", {("ours", "combo"): 10}, Verdict.NOT_RUN),
+    ],
+)  # fmt: skip
+def test_verdicts(claim: str, counts: Counts, expected: Verdict) -> None:
+    assert verdict(claim, made_up(counts)) == expected
+
+
+def test_one_family_refutes_a_claim_about_all() -> None:
+    counts = {("ours", "combo"): 5, ("no-invent", "combo"): 0, ("ours", "bigger"): 5, ("no-invent", "bigger"): 5}
+    assert verdict("ours-above-no-invent", made_up(counts)) == Verdict.FAILS
+
+
+def test_sets_and_pools_are_judged_by_what_was_learned() -> None:
+    learned = {"combo/seed0/ours": {"selected": ["a", "b", "c"], "visual": 3, "candidates": 120, "labels_from": "x"}}
+    assert verdict("learned-sets", made_up({}, learned)) == Verdict.HOLDS
+    assert verdict("pools-exceed-100", made_up({}, learned)) == Verdict.HOLDS
+    learned["combo/seed0/ours"]["visual"] = 2
+    assert verdict("learned-sets", made_up({}, learned)) == Verdict.FAILS
+
+
+def test_interim_numbers_are_compared_range_to_range() -> None:
+    found = judge_interim(load_claims().interim, made_up({("ours", "combo"): 9, ("no-feature", "combo"): 10}))
+    by_cell = {(family, approach): verdict for family, approach, verdict, _ in found}
+    assert by_cell["combo", "ours"] == Verdict.HOLDS
+    assert by_cell["combo", "no-feature"] == Verdict.FAILS
+    assert by_cell["kitchen", "ours"] == Verdict.NOT_RUN
+
+
+def test_the_claims_file_is_the_one_under_tests_too() -> None:
+    ours = Path(__file__).parents[1] / "paper" / "claims.yaml"
+    assert "ours-above-no-invent" in ours.read_text(encoding="utf-8")
+    assert ours.resolve().parent.name == "benchmark"
+
+
+def test_a_report_names_date_command_reader_seeds_and_says_what_needs_a_model() -> None:
+    learned = {"combo/seed0/ours": {"selected": ["a"], "visual": 1, "candidates": 9, "operators": 3,
+                                    "labels_from": "offline:burger:123"}}  # fmt: skip
+    run = made_up({("ours", "combo"): 10, ("vila-pure", "combo"): Outcome.NEEDS_MODEL}, learned)
+    text = section(run, load_claims(), date="2026-01-02", command="pix2pred bench run paper", chart=None)
+    assert "`pix2pred bench run paper` (2026-01-02)" in text and "offline:burger:123" in text and "Seeds 0," in text
+    assert "| ours | not run | not run | not run | 10.0 ± 0.0 [72, 100] % | not run |" in text
+    assert "needs a model" in text and "Not published results" in text
+
+
+def test_only_the_marked_part_of_a_document_is_written(tmp_path: Path) -> None:
+    document = tmp_path / "results.md"
+    document.write_text(f"# Results\n\nby hand\n\n{begin('paper')}\nobsolete\n{END}\n\nalso by hand\n")
+    run = made_up({("ours", "combo"): 10}, folder=tmp_path / "run")
+    write_into(document, run, "2026-01-02")
+    once = document.read_text()
+    assert once.startswith("# Results\n\nby hand\n") and once.endswith(f"{END}\n\nalso by hand\n")
+    assert "obsolete" not in once and "10.0 ± 0.0" in once
+    write_into(document, run, "2026-01-02")
+    assert document.read_text() == once
+
+
+def test_a_document_without_the_marks_is_left_alone(tmp_path: Path) -> None:
+    document = tmp_path / "results.md"
+    document.write_text("by hand")
+    with pytest.raises(SuiteError, match="put these lines in it"):
+        write_into(document, made_up({}), "2026-01-02")
+    assert document.read_text() == "by hand"
+
+
+@need("matplotlib", extra="plot")
+def test_the_chart_is_the_same_bytes_every_time(tmp_path: Path) -> None:
+    run = made_up({("ours", "combo"): 9, ("no-invent", "combo"): 1, ("ours", "bigger"): 9}, folder=tmp_path)
+    charts = []
+    for _ in range(2):
+        write_report(run, "2026-01-02")
+        charts.append((tmp_path / "report" / "chart.png").read_bytes())
+    assert charts[0] == charts[1] and charts[0].startswith(b"\x89PNG")
+
+
+def test_runs_are_compared_over_the_tasks_that_both_tried() -> None:
+    left, right = made_up({("ours", "combo"): 9, ("ours", "bigger"): 3}), made_up({("ours", "combo"): 4})
+    table = comparison(left, right)
+    assert "| ours | combo | 9 of 10 | 4 of 10 | 5 | 0 | 0.062 |" in table and "bigger" not in table
+
+
+def test_every_bundled_suite_loads_and_the_paper_has_the_published_settings() -> None:
+    from pix2pred.registry import load_approach, load_domain
+
+    assert {"paper", "smoke", "items", "demonstrations", "pool", "label-noise"} <= set(suite_names())
+    for name in suite_names():
+        suite = load_suite(name)
+        assert suite.name == name
+        assert [load_approach(a).name for a in suite.approaches] == list(suite.approaches)
+    assert (len(PAPER.approaches), PAPER.seeds, PAPER.tasks) == (9, (0, 1, 2, 3, 4), 10)
+    published = load_domain("burger").settings("combo")
+    for entry in PAPER.families:
+        if entry.domain == "burger":
+            assert entry.settings["learning"].items() <= dict(published).items()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"seeds": [1, 1]}, "seed 1 is listed twice"),
+        ({"axis": {"of": "pool", "values": [0.5]}}, "whole numbers"),
+        ({"axis": {"of": "label-noise", "values": [1]}}, "shares below 1"),
+        ({"tasks": 0}, "greater than or equal to 1"),
+        ({"families": [{"name": "a", "domain": "b", "settings": {"lerning": {}}}]}, "Extra inputs"),
+    ],
+)
+def test_a_suite_that_makes_no_sense_is_refused(change: dict[str, object], message: str, tmp_path: Path) -> None:
+    import yaml
+
+    document = {"name": "x", "about": "x", "approaches": ["ours"], "families": [{"name": "a", "domain": "b"}],
+                "seeds": [0], **change}  # fmt: skip
+    path = tmp_path / "suite.yaml"
+    path.write_text(yaml.safe_dump(document))
+    with pytest.raises(SuiteError, match=message):
+        load_suite(str(path))
+    assert Suite.model_validate(
+        {**document, "seeds": [0], "tasks": 1, "axis": None, "families": [{"name": "a", "domain": "b"}]}
+    )

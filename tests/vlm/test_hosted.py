@@ -1,0 +1,166 @@
+"""What goes over the wire, and what is read from what comes back."""
+
+from __future__ import annotations
+
+import base64
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from extras import need
+from pix2pred.images import ShownPictures, draw_view
+from pix2pred.structs import Image, Picture
+from pix2pred.structs.views import View
+from pix2pred.vlm import Finish, NoAnswerError, Request, VLMError
+from pix2pred.vlm.flow import TransientError
+from pix2pred.vlm.hosted import HostedVLM, _tokens
+from pix2pred.vlm.model_names import ModelNameError, hosted_model
+from pix2pred.vlm.pricing import dollars
+from vlm.fault_server import FaultServer, pictures, text
+
+VIEWS = [
+    View(
+        Picture("main", Image.from_pixels(np.random.default_rng(t).integers(0, 256, (30, 40, 3), dtype=np.uint8))),
+        t,
+        heading=f"state {t}, camera main",
+    )
+    for t in range(3)
+]
+REQUEST = Request("label", ("First this.", VIEWS[0], "Then that.", *VIEWS[1:], "\nPredicates:\nlit(a)"), 777, 0.5, 2, 3)
+
+
+@pytest.fixture
+def server() -> Iterator[FaultServer]:
+    with FaultServer().running() as running:
+        yield running
+
+
+def hosted(server: FaultServer, timeout: float = 5.0) -> HostedVLM:
+    return HostedVLM(hosted_model(f"openai-compatible:tiny@{server.url}"), ShownPictures(), timeout)
+
+
+def test_text_and_pictures_go_in_order_losslessly_with_headings_and_settings(server: FaultServer) -> None:
+    answer = hosted(server).answer(REQUEST)
+    (body,) = map(json.loads, server.bodies)
+    content = body["messages"][0]["content"]
+    assert [part["type"] for part in content] == ["text", "image_url", "text", "image_url", "image_url", "text"]
+    for view, url in zip(VIEWS, pictures(body), strict=True):
+        shown = Image(base64.b64decode(url.removeprefix("data:image/png;base64,")))
+        assert np.array_equal(shown.pixels(), draw_view(view)), "crop, size, marks and heading, pixel by pixel"
+        assert max(shown.size) >= 512
+    assert "First this.\n\nThen that." in text(body)
+    assert (body["model"], body["max_tokens"], body["temperature"], body["seed"]) == ("tiny", 777, 0.5, 2003)
+    assert "logprobs" not in body and "response_format" not in body
+    assert answer.finish == Finish.COMPLETE and (answer.spent.input_tokens, answer.spent.output_tokens) == (100, 10)
+    assert answer.spent.dollars is None
+
+
+def test_probabilities_and_a_schema_are_asked_for_when_wanted(server: FaultServer) -> None:
+    schema = json.dumps({"type": "object", "properties": {}, "additionalProperties": False, "required": []})
+    hosted(server).answer(replace(REQUEST, logprobs=True, schema=schema))
+    (body,) = map(json.loads, server.bodies)
+    assert body["logprobs"] is True and body["top_logprobs"] == 5
+    assert body["response_format"]["type"] == "json_schema"
+
+
+@pytest.mark.parametrize(
+    ("fault", "kind"),
+    [(f, TransientError) for f in ("429", "500", "502", "cut before", "cut within", "half json", "not json", "late")],
+)
+def test_each_failure_has_its_kind(fault: str, kind: type[Exception]) -> None:
+    with FaultServer({fault: 1.0}).running() as server, pytest.raises(kind):
+        hosted(server, 0.8).answer(REQUEST)
+
+
+def test_waiting_times_are_passed_on() -> None:
+    with FaultServer({"429 with time": 1.0}).running() as server, pytest.raises(TransientError) as caught:
+        hosted(server).answer(REQUEST)
+    assert caught.value.retry_after == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize(
+    ("fault", "finish"),
+    [
+        ("empty", Finish.COMPLETE),
+        ("refused", Finish.REFUSED),
+        ("filtered", Finish.REFUSED),
+        ("truncated", Finish.CUT_SHORT),
+    ],
+)
+def test_how_an_answer_ended_is_noticed(fault: str, finish: Finish) -> None:
+    with FaultServer({fault: 1.0}).running() as server:
+        assert hosted(server).answer(REQUEST).finish == finish
+
+
+@pytest.mark.parametrize(
+    ("status", "message", "kind"),
+    [
+        (400, "the prompt is too long", NoAnswerError),
+        (400, "Server is pinned to 'a/b'; requested model 'tiny' is not served: model not found", VLMError),
+        (404, "no such route", VLMError),
+        (401, "wrong key", VLMError),
+        (402, "no credit", VLMError),
+        (503, "overloaded", TransientError),
+    ],
+)
+def test_refusals_are_told_apart(status: int, message: str, kind: type[VLMError]) -> None:
+    from vlm.fault_server import _send
+
+    class Refusing(FaultServer):
+        def serve(self, handler: object) -> None:
+            handler.rfile.read(int(handler.headers["content-length"]))  # type: ignore[attr-defined]
+            _send(handler, status, json.dumps({"error": {"message": message}}).encode())  # type: ignore[arg-type]
+
+    with Refusing().running() as server, pytest.raises(VLMError, match=str(status)) as caught:
+        hosted(server).answer(REQUEST)
+    assert type(caught.value) is kind and message[:20] in str(caught.value)
+
+
+def test_names_of_models() -> None:
+    model = hosted_model("openai-compatible:org/qwen2.5-vl:7b@http://localhost:8000/v1/")
+    assert (model.model, model.url) == ("org/qwen2.5-vl:7b", "http://localhost:8000/v1")
+    assert "localhost" not in model.name
+    assert hosted_model("google:gemini-2.0-flash").name == "google:gemini-2.0-flash"
+    for bad in ("", "gpt-4o", "openai:", "openai-compatible:x", "openai-compatible:x@ftp://y", "mailbox:", "azure:x"):
+        with pytest.raises(ModelNameError):
+            hosted_model(bad)
+
+
+def test_prices_are_known_for_known_models_alone() -> None:
+    assert dollars("openai", "gpt-4o", 1_000_000, 0) == pytest.approx(2.5)
+    assert dollars("openai-compatible", "tiny", 100, 10) is None
+
+
+def test_tokens_that_do_not_make_up_the_text_are_not_believed() -> None:
+    said = [{"token": "Tr", "logprob": -0.1, "top_logprobs": None}, {"token": "ue", "logprob": 0.0}]
+    assert [t.text for t in _tokens(said, "True")] == ["Tr", "ue"]
+    assert _tokens(said, "Truer") == () and _tokens(None, "True") == ()
+
+
+@pytest.mark.parametrize(
+    "provider",
+    [
+        "openai",
+        pytest.param("anthropic", marks=need("anthropic", extra="anthropic")),
+        pytest.param("google", marks=need("google.genai", extra="google")),
+    ],
+)
+def test_clients_of_all_providers_can_be_made(provider: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY"):
+        monkeypatch.setenv(name, "sk-not-a-key-000000")
+    vlm = HostedVLM(hosted_model(f"{provider}:some-model"), ShownPictures(), 5.0)
+    assert vlm.name == f"{provider}:some-model" and "sk-not" not in repr(vars(vlm).keys())
+
+
+def test_naming_a_model_loads_no_client_library() -> None:
+    code = (
+        "import sys, pix2pred.registry, pix2pred.cli.app; "
+        "print(sorted({'pydantic_ai', 'openai', 'anthropic', 'httpx2', 'genai_prices'} & set(sys.modules)))"
+    )
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert printed.strip() == "[]"

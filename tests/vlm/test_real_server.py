@@ -1,0 +1,120 @@
+"""A real third-party server, ``transformers serve``, with a tiny model of random weights: its protocol is real.
+
+Needs the extra ``servers``.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from extras import need
+from pix2pred.images import ShownPictures
+from pix2pred.structs import Image, Picture
+from pix2pred.structs.views import View
+from pix2pred.vlm import NoAnswerError, Request, VLMError
+from pix2pred.vlm.hosted import HostedVLM
+from pix2pred.vlm.model_names import hosted_model
+
+pytestmark = need("torch", "transformers", "fastapi", "uvicorn", extra="servers")
+BUILD = Path(__file__).with_name("tiny_model.py")
+SERVE = "import sys; from transformers.cli.transformers import main; sys.argv[0] = 'transformers'; main()"
+QUIET = os.environ | {"OMP_NUM_THREADS": "1", "HF_HUB_OFFLINE": "1"}
+
+
+@pytest.fixture(scope="module")
+def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    folder = tmp_path_factory.mktemp("server")
+    subprocess.run([sys.executable, BUILD, folder / "tiny"], check=True, env=QUIET, timeout=300)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    options = ["serve", "tiny", "--port", str(port), "--host", "127.0.0.1", "--device", "cpu", "--default-seed", "0"]
+    with (folder / "log").open("wb") as log:
+        server = subprocess.Popen(
+            [sys.executable, "-c", SERVE, *options], cwd=folder, env=QUIET, stdout=log, stderr=log
+        )
+        try:
+            _wait(f"http://127.0.0.1:{port}/health", server, folder / "log")
+            yield f"http://127.0.0.1:{port}/v1"
+        finally:
+            server.terminate()
+            server.wait(30)
+
+
+def _wait(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
+    for _ in range(1200):
+        assert server.poll() is None, log.read_text()[-2000:]
+        try:
+            urllib.request.urlopen(address, timeout=5).close()
+            return
+        except OSError:
+            time.sleep(0.25)
+    raise AssertionError(log.read_text()[-2000:])
+
+
+def ask(url: str, model: str = "tiny") -> HostedVLM:
+    return HostedVLM(hosted_model(f"openai-compatible:{model}@{url}"), ShownPictures(), 120.0)
+
+
+def view(shade: int, t: int) -> View:
+    pixels = np.full((60, 80, 3), shade, dtype=np.uint8)
+    pixels[10:40, 10:50] = 255 - shade
+    return View(Picture("main", Image.from_pixels(pixels)), t, heading=f"state {t}, camera main")
+
+
+REQUEST = Request("label", ("Before and after:", view(20, 0), view(220, 1), "\nPredicates:\nlit(a)"), 24)
+
+
+def test_answers_come_back_with_usage_and_depend_on_every_picture(url: str) -> None:
+    vlm = ask(url)
+    answer = vlm.answer(REQUEST)
+    assert answer.text and answer.spent.output_tokens > 0 and answer.spent.input_tokens > 40
+    assert vlm.answer(REQUEST).text == answer.text, "greedy"
+    others = [
+        replace(REQUEST, parts=("Before and after:", view(220, 0), view(220, 1), REQUEST.parts[-1])),
+        replace(REQUEST, parts=("Before and after:", view(20, 0), view(20, 1), REQUEST.parts[-1])),
+        replace(REQUEST, parts=("Before and after:", view(220, 1), view(20, 0), REQUEST.parts[-1])),
+    ]
+    assert len({answer.text, *(vlm.answer(r).text for r in others)}) >= 3
+
+
+def test_what_the_server_ignores_silently_does_no_harm(url: str) -> None:
+    schema = '{"type": "object", "properties": {}, "required": [], "additionalProperties": false}'
+    answer = ask(url).answer(replace(REQUEST, logprobs=True, schema=schema))
+    assert answer.text and answer.tokens == (), "probabilities were asked for and did not come"
+
+
+def test_an_unknown_model_ends_the_run(url: str) -> None:
+    with pytest.raises(VLMError, match="knows no such model") as caught:
+        ask(url, "another").answer(REQUEST)
+    assert not isinstance(caught.value, NoAnswerError) and "400" in str(caught.value)
+
+
+@pytest.mark.parametrize("broken", [{"stop": ["x"]}, {"image": "data:image/png;base64,iVBORw0KGgo="}])
+def test_what_the_server_answers_with_an_error_is_never_sent(url: str, broken: dict[str, object]) -> None:
+    """The quirk itself, by hand: ``stop`` and damaged pictures are refused with an error of the server."""
+    import json
+
+    content: list[dict[str, object]] = [{"type": "text", "text": "x"}]
+    if "image" in broken:
+        content.append({"type": "image_url", "image_url": {"url": broken["image"]}})
+    body = {"model": "tiny", "max_tokens": 4, "messages": [{"role": "user", "content": content}]}
+    body |= {k: v for k, v in broken.items() if k == "stop"}
+    request = urllib.request.Request(
+        f"{url}/chat/completions", json.dumps(body).encode(), {"content-type": "application/json"}
+    )
+    with pytest.raises(urllib.error.HTTPError) as caught:
+        urllib.request.urlopen(request, timeout=60)
+    assert caught.value.code in (400, 422, 500)

@@ -1,0 +1,62 @@
+"""Draw the states of a domain's demonstrations side by side, with marks and headings, as a model sees them.
+
+python tools/contact_sheet.py coffee three-cups docs/images/coffee.png --demos 0 1
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from pix2pred.images import draw_view
+from pix2pred.registry import load_domain
+from pix2pred.structs import Pixels
+from pix2pred.structs.views import View
+
+
+def frames(domain: str, family: str, seed: int, demos: list[int], tasks: int, side: int) -> list[Pixels]:
+    made = load_domain(domain)
+    chosen = made.demonstrations(family, seed)
+    shown = []
+    for index in demos:
+        demo = chosen[index]
+        titles = ["start", *(a.skill.name for a in demo.actions)]
+        for t, (state, title) in enumerate(zip(demo.states, titles, strict=True)):
+            shown.append(draw_view(View(state.pictures[0], t, heading=f"{t}: {title}", longest_side=side)))
+    for stored in made.tasks(family, seed, tasks) if tasks else ():
+        heading = stored.task.name
+        shown.append(draw_view(View(stored.task.initial.pictures[0], 0, heading=heading, longest_side=side)))
+    return shown
+
+
+def sheet(shown: list[Pixels], columns: int) -> Pixels:
+    height, width = (max(f.shape[i] for f in shown) for i in (0, 1))
+    rows = -(-len(shown) // columns)
+    page = np.full((rows * (height + 6), columns * (width + 6), 3), 255, dtype=np.uint8)
+    for k, frame in enumerate(shown):
+        top, left = (k // columns) * (height + 6), (k % columns) * (width + 6)
+        page[top : top + frame.shape[0], left : left + frame.shape[1]] = frame
+    return page
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("domain")
+    parser.add_argument("family")
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--demos", type=int, nargs="*", default=[0])
+    parser.add_argument("--tasks", type=int, default=0, help="initial states of so many test tasks at the end")
+    parser.add_argument("--columns", type=int, default=4)
+    parser.add_argument("--side", type=int, default=360)
+    args = parser.parse_args()
+    shown = frames(args.domain, args.family, args.seed, args.demos, args.tasks, args.side)
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(sheet(shown, args.columns)).save(args.out, optimize=True)
+
+
+if __name__ == "__main__":
+    main()
