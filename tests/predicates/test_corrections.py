@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,22 @@ def test_labels_are_set_also_where_everything_was_false() -> None:
     assert value(corrected, "lit(a)", 1) == 0
     assert [value(corrected, "lit(b)", t) for t in (0, 1)] == [-1, 0]
     assert list(corrected.demos[0].atoms) == sorted(corrected.demos[0].atoms)
+
+
+def test_confidence_follows_its_labels_and_says_nothing_of_corrected_ones() -> None:
+    said = table()
+    sure = np.array([[0.9, 0.6, 0.7], [0.9, 0.8, 0.5]], dtype=np.float32)
+    said = replace(said, demos=(replace(said.demos[0], confidence=sure),))
+    rows = [
+        row("label", demo="d", state=0, atom=["lit", "a"], old="false", new="true"),
+        row("label", demo="d", state=1, atom=["lit", "b"], old="false", new="true"),
+        row("merge", predicate="glows", old=None, new="lit"),
+    ]
+    demo = Corrections.of(rows).apply(said).table.demos[0]
+    assert [str(a) for a in demo.atoms] == ["Done(a)", "lit(a)", "lit(b)"]
+    assert demo.confidence is not None
+    expected = np.array([[0.9, np.nan, np.nan], [0.9, 0.8, np.nan]], dtype=np.float32)
+    np.testing.assert_array_equal(demo.confidence, expected)
 
 
 def test_renamed_predicates_keep_the_models_word() -> None:
