@@ -27,6 +27,7 @@ from pix2pred.domains.burger.world import World
 from pix2pred.execution.episode import open_loop
 from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
+from pix2pred.planning import TaskPlanner
 from pix2pred.registry import load_planner
 from pix2pred.structs import PlanStatus
 
@@ -62,10 +63,12 @@ def test_tasks(family: str, seed: int, count: int) -> Sequence[Any]:
     return domain().tasks(family, seed, count)
 
 
-def solved(family: str, selection: Selection, meaning: Any, seed: int, count: int) -> int:
+def solved(
+    family: str, selection: Selection, meaning: Any, seed: int, count: int, planner: TaskPlanner | None = None
+) -> int:
     total = 0
     predicates = (*domain().vocabulary(family).initial, *selection.selected)
-    planner = load_planner("portfolio")
+    planner = planner or load_planner("portfolio")
     for item in test_tasks(family, seed, count):
         state = true_state(World.from_dict(item.simulator["world"]), predicates, meaning)
         found = planner.plan(selection.operators, item.task.objects, state, item.task.goal)

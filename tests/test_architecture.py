@@ -32,12 +32,15 @@ MAY_IMPORT |= {
     "run_folder": {"structs"},
     "film": {"structs"},
     "runs": LOWER | {"pipeline", "run_folder", "film"},
+    "report": LOWER | {"pipeline", "run_folder", "runs"},
+    "review": LOWER | {"pipeline", "run_folder", "runs", "report"},
     "gym_envs": {"structs", "registry"},
     "approach": LOWER | {"pipeline"},
     "baselines": ABOVE_THE_PIPELINE,
     "benchmark": ABOVE_THE_PIPELINE,
     "registry": LOWER | {"pipeline", "approach", "domains"},
-    "cli": ABOVE_THE_PIPELINE | {"runs", "film", "registry", "benchmark", "baselines", "parallel", "cli"},
+    "cli": ABOVE_THE_PIPELINE
+    | {"runs", "film", "registry", "report", "review", "benchmark", "baselines", "parallel", "cli"},
 }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.learning.samplers import learn_samplers
-from pix2pred.pipeline import Chooser, Learned, Pool, PoolMaker, Progress, Settings, climb, learn, silent
+from pix2pred.pipeline import Chooser, Learned, Pool, PoolMaker, Progress, Selected, Settings, climb, learn, silent
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Labeller
 from pix2pred.structs import (
@@ -127,12 +127,12 @@ class ModelAgent:
         table = self.learned.labelling.table
         demos = tuple(_corrected(d, demo, truth) for d, demo in enumerate(table.demos))
         right = TruthTable(table.initial, table.pool, demos)
-        selection = self.choose(right, self.training.settings.learning, silent)
+        selection = self.choose(right, self.training.settings.learning, silent, ())
         model = replace(self.model, selected=selection.selected, operators=selection.operators)
         labelling = replace(self.learned.labelling, table=right)
         fitter = self.training.settings.samplers.fitter()
         samplers = learn_samplers(selection.operators, self.training.demos, demos, fitter)
-        learned = Learned(model, self.learned.proposals, labelling, selection, samplers)
+        learned = Learned(self.learned.proposals, labelling, Selected(model, right, selection), samplers)
         return replace(self, learned=learned)
 
 

@@ -1,7 +1,7 @@
 """The whole method on one page: from demonstrations to a world model, and from a task to an episode.
 
-propose -> lift -> (+ feature grammar) -> label -> select, learn operators, learn samplers      learn()
-abstract -> plan -> execute                                                                     Solver (execution room)
+propose -> lift -> (+ feature grammar) -> label -> correct -> select, learn operators, learn samplers    learn()
+abstract -> plan -> execute                                                            Solver (execution room)
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from pix2pred.learning import LearningSettings, Selection, hill_climbing
 from pix2pred.learning.samplers import learn_samplers
 from pix2pred.learning.samplers_settings import SamplerSettings
 from pix2pred.predicates import (
+    Corrections,
     GrammarSettings,
     Labeller,
     Labelling,
@@ -26,7 +27,7 @@ from pix2pred.predicates import (
     lift,
     propose,
 )
-from pix2pred.structs import Candidate, Demo, PictureError, TruthTable, Vocabulary, WorldModel
+from pix2pred.structs import Candidate, Demo, PictureError, Predicate, TruthTable, Vocabulary, WorldModel
 from pix2pred.structs.samplers import Sampler
 from pix2pred.vlm import VLM, FlowSettings
 
@@ -44,6 +45,8 @@ class Settings(BaseModel):
     flow: FlowSettings = Field(default_factory=FlowSettings)
 
 
+NO_CORRECTIONS = Corrections()
+
 Progress = Callable[[str, int, int, str], None]
 """Called with (stage, done, total, what is going on)."""
 
@@ -53,14 +56,32 @@ def silent(stage: str, done: int, total: int, text: str) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Learned:
-    """A world model and everything it came from."""
+class Selected:
+    """A world model, the corrected labels it was learned from, and how selection went."""
 
     model: WorldModel
+    table: TruthTable
+    selection: Selection
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What was proposed, what the model said about it, and what was made of that, samplers by operator included."""
+
     proposals: tuple[Proposal, ...]
     labelling: Labelling
-    selection: Selection
+    selected: Selected
     samplers: Mapping[str, Sampler]
+
+    @property
+    def model(self) -> WorldModel:
+        """The world model."""
+        return self.selected.model
+
+    @property
+    def selection(self) -> Selection:
+        """How selection went."""
+        return self.selected.selection
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +95,8 @@ class Pool:
 PoolMaker = Callable[[Vocabulary, Sequence[Demo], VLM, Settings, Progress], Pool]
 """Where the candidates come from."""
 
-Chooser = Callable[[TruthTable, LearningSettings, Progress], Selection]
-"""How predicates are chosen and operators learned from labels."""
+Chooser = Callable[[TruthTable, LearningSettings, Progress, Sequence[Predicate]], Selection]
+"""How predicates are chosen and operators learned from labels; the last are candidates that have to be taken."""
 
 
 def visual_pool(
@@ -109,10 +130,16 @@ def whole_pool(
     return Pool((*visual.candidates, *features.candidates), visual.proposals)
 
 
-def climb(table: TruthTable, settings: LearningSettings, progress: Progress = silent) -> Selection:
+def climb(
+    table: TruthTable,
+    settings: LearningSettings,
+    progress: Progress = silent,
+    pinned: Sequence[Predicate] = (),
+) -> Selection:
     """Hill climbing on J (method 6.3)."""
     progress("select", 0, len(table.candidates()), "")
-    return hill_climbing(table, settings).run(lambda done, total, name: progress("select", done, total, name))
+    climbing = hill_climbing(table, settings, pinned=pinned)
+    return climbing.run(lambda done, total, name: progress("select", done, total, name))
 
 
 def learn(
@@ -122,6 +149,7 @@ def learn(
     settings: Settings,
     progress: Progress = silent,
     *,
+    corrections: Corrections = NO_CORRECTIONS,
     pool: PoolMaker = whole_pool,
     choose: Chooser = climb,
 ) -> Learned:
@@ -130,13 +158,13 @@ def learn(
     ``pool`` and ``choose`` are the two places where the ablations of method 9 differ from the full method.
 
     Raises ``EmptyProposalError`` when the model proposes nothing usable, ``UnusableAnswersError`` when it labels
-    nothing, ``VLMError`` when it cannot be asked, and ``PictureError`` for a state without readable pictures.
+    nothing, ``VLMError`` when it cannot be asked, ``PictureError`` for a state without readable pictures, and
+    ``CorrectionsError`` when ``corrections`` do not fit what the model said.
     """
     proposals, labelling = ask_everything(vocabulary, demos, vlm, settings, progress, pool)
-    selection = choose(labelling.table, settings.learning, progress)
-    model = WorldModel(vocabulary, selection.selected, selection.operators, vlm.name)
-    samplers = learn_samplers(selection.operators, demos, labelling.table.demos, settings.samplers.fitter())
-    return Learned(model, proposals, labelling, selection, samplers)
+    selected = select(vocabulary, labelling.table, settings.learning, vlm.name, corrections, progress, choose)
+    samplers = learn_samplers(selected.model.operators, demos, selected.table.demos, settings.samplers.fitter())
+    return Learned(proposals, labelling, selected, samplers)
 
 
 def ask_everything(
@@ -163,3 +191,22 @@ def ask_everything(
         progress=lambda done, total, name: progress("label", done, total, name),
     )
     return made.proposals, labelling
+
+
+def select(
+    vocabulary: Vocabulary,
+    table: TruthTable,
+    settings: LearningSettings,
+    labels_from: str,
+    corrections: Corrections = NO_CORRECTIONS,
+    progress: Progress = silent,
+    choose: Chooser = climb,
+) -> Selected:
+    """Select predicates and learn operators from what a model said, corrected (method 4-6). Asks no model.
+
+    Raises ``CorrectionsError`` when the corrections do not fit the table.
+    """
+    corrected = corrections.apply(table)
+    selection = choose(corrected.table, settings, progress, corrected.pinned)
+    model = WorldModel(vocabulary, selection.selected, selection.operators, labels_from)
+    return Selected(model, corrected.table, selection)

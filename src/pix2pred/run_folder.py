@@ -3,13 +3,20 @@
     config.yaml                  the resolved settings, the data and the model that labelled it
     answers/, blobs/             the answer store (unless another one was named)
     proposals.json               accepted and rejected atoms per demonstration
-    labels/traces.json           the truth table, readable by ``pix2pred select``
+    labels/as_said.json          the truth table as the model gave it
+    labels/evidence.json         its explanations, and the pictures and boxes it saw
+    corrections.jsonl            what a person set right, a row each; only ever appended to
+    labels/traces.json           the corrected truth table, readable by ``pix2pred select``
+    labels/doubts.json           labels that are probably wrong, the most useful to check first
     selection.json               the climb, step by step
+    history/<n>.json             the same as it was with the first n corrections
     model/                       world_model.json, domain.pddl, samplers.npz (for skills with continuous parameters)
     metrics.json, timings.json   counts; seconds and queries
     solve/<name>/<task>.json     one file per episode
+    report.html                  all of it to look at, made anew after every command; previews/ are its pictures
 
-Every file is written under another name and renamed. All but ``timings.json`` have the same bytes for the same inputs.
+Every file is written under another name and renamed. All but ``timings.json`` and
+corrections have the same bytes for the same inputs.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ def _results(folder: Path) -> dict[str, bytes]:
     return {
         str(p.relative_to(folder)): _pixels(p) if p.parent.name == "blobs" else p.read_bytes()
         for p in sorted(folder.rglob("*"))
-        if p.is_file() and p.name not in ("timings.json", ".lock")
+        if p.is_file() and p.name not in ("timings.json", "report.html", ".lock")
     }
 
 

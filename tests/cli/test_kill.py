@@ -20,7 +20,7 @@ def _tree(folder: Path) -> dict[str, bytes]:
     return {
         str(p.relative_to(folder)): p.read_bytes()
         for p in sorted(folder.rglob("*"))
-        if p.is_file() and p.name not in ("timings.json", ".lock")
+        if p.is_file() and p.name not in ("timings.json", "report.html", ".lock")
     }
 
 

@@ -5,21 +5,27 @@ Hill climbing then chooses among the feature predicates, with the model's choice
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pix2pred.approach import Composition
 from pix2pred.learning import LearningSettings, Selection
 from pix2pred.pipeline import Progress, Settings, climb, silent, whole_pool
-from pix2pred.structs import FromVLM, TruthTable
+from pix2pred.structs import FromVLM, Predicate, TruthTable
 
 
-def climb_from_visual(table: TruthTable, settings: LearningSettings, progress: Progress = silent) -> Selection:
+def climb_from_visual(
+    table: TruthTable,
+    settings: LearningSettings,
+    progress: Progress = silent,
+    pinned: Sequence[Predicate] = (),
+) -> Selection:
     """Hill climbing over feature predicates, every visual one among the initial ones."""
     visual = tuple(c.predicate for c in table.pool if isinstance(c.predicate.source, FromVLM))
     features = tuple(c for c in table.pool if c.predicate not in visual)
     given = TruthTable((*table.initial, *visual), features, table.demos)
-    selection = climb(given, settings, progress)
-    return replace(selection, selected=(*visual, *selection.selected))
+    selection = climb(given, settings, progress, [p for p in pinned if p not in visual])
+    return replace(selection, selected=(*visual, *selection.selected), pinned=tuple(pinned))
 
 
 def ask_specifically(settings: Settings) -> Settings:

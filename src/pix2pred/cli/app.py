@@ -20,6 +20,7 @@ from pix2pred.cli.demo import demo
 from pix2pred.cli.doctor import doctor
 from pix2pred.cli.learn import learn
 from pix2pred.cli.plan_pddl import plan_pddl
+from pix2pred.cli.review import review
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
@@ -28,7 +29,7 @@ from pix2pred.learning import TracesError
 from pix2pred.learning.samplers_file import SamplerFileError
 from pix2pred.parallel import BackendError
 from pix2pred.planning import ExternalPlannerError
-from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
+from pix2pred.predicates import CorrectionsError, EmptyProposalError, EvidenceError, UnusableAnswersError
 from pix2pred.registry import RegistryError
 from pix2pred.run_folder import RunFolderError
 from pix2pred.structs import PictureError
@@ -41,9 +42,11 @@ from pix2pred.vlm.breaker import UselessModelError
 from pix2pred.vlm.budget import BudgetError
 
 BAD_INPUT = (
+    CorrectionsError,
     SandboxError,
     BackendError,
     EmptyProposalError,
+    EvidenceError,
     ExpressionError,
     ExternalPlannerError,
     FilmError,
@@ -71,7 +74,7 @@ app = App(
     suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (demo, generate, check, learn, solve, select, plan_pddl, doctor):
+for _verb in (demo, generate, check, learn, review, solve, select, plan_pddl, doctor):
     app.command(_verb)
 app.command(answers)
 app.command(bench)

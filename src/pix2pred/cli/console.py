@@ -26,6 +26,7 @@ _STAGES = {
     "propose": "Proposing predicates",
     "label": "Labelling states",
     "select": "Selecting predicates",
+    "doubt": "Looking for wrong labels",
     "solve": "Solving tasks",
     "bench": "Running the suite",
     "score": "Scoring a set",
@@ -75,6 +76,8 @@ def print_learned(metrics: Mapping[str, Any], operators: Sequence[Operator]) -> 
     table.add_row("selected", escape(", ".join(metrics["selected"]) or "none"))
     table.add_row("J", " > ".join(f"{j:,.0f}" for j in metrics["J"]))
     table.add_row("operators", str(metrics["operators"]))
+    if metrics["corrections"]:
+        table.add_row("corrections", str(metrics["corrections"]))
     out.print(table)
     for warning in metrics["warnings"]:
         out.print(f"  [yellow]warning:[/yellow] {escape(warning)}")

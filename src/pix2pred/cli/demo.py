@@ -13,6 +13,7 @@ from pix2pred.cli.learn import resolve_settings, run_learning
 from pix2pred.cli.solve import load_solver, run_solving
 from pix2pred.demos import read_project, read_tasks
 from pix2pred.registry import RegistryError
+from pix2pred.report import write_report
 from pix2pred.run_folder import RunFolder
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.vlm import StoreMode
@@ -44,9 +45,11 @@ def demo(
             raise RegistryError(f"{data}: holds {len(stored)} tasks; for {count} choose another --out or delete it")
         tasks = [SimulatedTask(s.task, s.simulator or {}) for s in stored]
         summary = run_solving(folder, f"burger-{family}-seed{seed}", tasks, solver, "burger")
+        report = write_report(folder)
     if json:
         print_json({"run": str(run), "learn": metrics, "solve": summary})
     else:
         print_solved(summary)
         out.print(f"run folder: {run}", markup=False)
+        out.print(f"report: {report}", markup=False)
     return 0 if summary["solved"] == summary["tasks"] else 1

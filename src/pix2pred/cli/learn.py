@@ -13,17 +13,21 @@ from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, err, print_estima
 from pix2pred.demos import Project, project_digest, read_project
 from pix2pred.pipeline import Settings, ask_everything
 from pix2pred.registry import NO_LIMITS, Limits, RegistryError, load_estimator, load_stored
+from pix2pred.report import REPORT, write_report
 from pix2pred.run_folder import RunFolder
-from pix2pred.runs import learn_into
+from pix2pred.runs import learn_into, relearn
 from pix2pred.vlm import AnswerStore, CountingVLM, StoreMode
 from pix2pred.vlm.model_names import FORMS
 
 
 def learn(
-    data: Path,
+    data: Path | None = None,
     /,
     *,
-    out: Annotated[Path, Parameter(help="Run folder; the same command resumes an interrupted run.")],
+    out: Annotated[Path | None, Parameter(help="Run folder; the same command resumes an interrupted run.")] = None,
+    resume: Annotated[
+        Path | None, Parameter(help="Learn again in this finished run, with its corrections; asks no model.")
+    ] = None,
     vlm: Annotated[str, Parameter(help=f"Model that proposes and labels: {FORMS}.")] = "offline",
     config: Annotated[Path | None, Parameter(help="YAML file with settings that differ from the defaults.")] = None,
     answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None,
@@ -44,10 +48,20 @@ def learn(
     """Learn a world model from the demonstrations in a project folder.
 
     Examples: pix2pred learn data/stacks --vlm offline --out runs/stacks
+    pix2pred learn --resume runs/stacks
     pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run
     pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea
     pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea
     """
+    if resume is not None:
+        if data is not None or out is not None:
+            raise RegistryError("--resume RUN takes everything from the run folder; leave out DATA and --out")
+        metrics = run_relearning(resume, quiet=json)
+        if json:
+            print_json(metrics)
+        return 0
+    if data is None or out is None:
+        raise RegistryError("name the data and a run folder: pix2pred learn DATA --out RUN")
     if any(out.resolve().is_relative_to((data / part).resolve()) for part in ("demos", "tasks")):
         raise RegistryError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
     project = read_project(data)
@@ -58,7 +72,7 @@ def learn(
     if json:
         print_json(metrics)
     else:
-        err.print(f"run folder: {out}", markup=False)
+        err.print(f"run folder: {out}\nreport: {out / REPORT}", markup=False)
     return 0
 
 
@@ -95,9 +109,22 @@ def run_learning(
             err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
         with bars() as progress:
             learned, metrics = learn_into(run, project.vocabulary, project.demos, counting, settings, progress)
+        write_report(run)
     if not quiet:
         print_learned(metrics, learned.model.operators)
         err.print(counting.usage.line(), markup=False)
+    return metrics
+
+
+def run_relearning(folder: Path, *, quiet: bool) -> dict[str, Any]:
+    """Learn again in a finished run with progress bars; gives the summary."""
+    RunFolder(folder).config()
+    with RunFolder(folder).locked() as run:
+        with bars() as progress:
+            selected, metrics = relearn(run, progress)
+        write_report(run)
+    if not quiet:
+        print_learned(metrics, selected.model.operators)
     return metrics
 
 

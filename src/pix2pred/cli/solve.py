@@ -18,6 +18,7 @@ from pix2pred.learning.samplers_file import load_samplers
 from pix2pred.pipeline import Settings
 from pix2pred.predicates import Labeller
 from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_stored, word_truth
+from pix2pred.report import write_report
 from pix2pred.run_folder import RunFolder, RunFolderError
 from pix2pred.runs import MODEL, SAMPLERS, solve_into
 from pix2pred.structs import PlanStatus
@@ -63,6 +64,7 @@ def solve(
         if closed_loop or disturb:
             name += ("-closed-loop" if closed_loop else "") + (f"-disturb-{disturb:g}" if disturb else "")
         summary = run_solving(folder, name, chosen, solver, domain, disturb, video)
+        write_report(folder)
     if json:
         print_json(summary)
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pix2pred.execution.monitor import necessary_atoms
 from pix2pred.execution.parameters import Parameters, executed
@@ -96,8 +96,13 @@ class ClosedLoop:
             if step.status == StepStatus.HORIZON:
                 return failed(step.status, step.detail)
             before, seen = seen, abstraction.advance(action, environment.observe())
+            steps[-1] = replace(steps[-1], observed=_changes(before, seen))
             if step.status != StepStatus.DONE or not operator.add <= seen:
                 if (before, str(action)) in failures:
                     return failed(StepStatus.STUCK, f"{action} failed again in a state that looks the same")
                 failures.add((before, str(action)))
             position += 1
+
+
+def _changes(before: AbstractState, after: AbstractState) -> tuple[str, ...]:
+    return (*(f"+{a}" for a in sorted(after - before)), *(f"-{a}" for a in sorted(before - after)))

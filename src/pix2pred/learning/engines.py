@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pix2pred.learning.data import Data
 from pix2pred.learning.exact_tree import ExactTree
 from pix2pred.learning.grouped import Grouped
@@ -13,7 +15,7 @@ from pix2pred.learning.robust import Robust
 from pix2pred.learning.rules import ClimbingRule, Explained, Published
 from pix2pred.learning.selection import HillClimbing
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs import Operator, TruthTable
+from pix2pred.structs import Operator, Predicate, TruthTable
 
 
 def operator_learner(table: TruthTable, settings: LearningSettings) -> OperatorLearner:
@@ -31,9 +33,12 @@ def learn_operators(table: TruthTable, settings: LearningSettings) -> tuple[Oper
     return tuple(to_operator(learner.data, schema) for schema in found)
 
 
-def hill_climbing(table: TruthTable, settings: LearningSettings, map_: Map = map) -> HillClimbing:
-    """Selection as ``settings`` ask for; ``map_`` may share the searches among workers."""
-    return HillClimbing(operator_learner(table, settings), skeleton_search(settings), climbing_rule(settings), map_)
+def hill_climbing(
+    table: TruthTable, settings: LearningSettings, map_: Map = map, pinned: Sequence[Predicate] = ()
+) -> HillClimbing:
+    """Selection as ``settings`` ask for, from ``pinned`` candidates on; ``map_`` may share the searches."""
+    learner = operator_learner(table, settings)
+    return HillClimbing(learner, skeleton_search(settings), climbing_rule(settings), map_, pinned)
 
 
 def skeleton_search(settings: LearningSettings) -> SkeletonSearch:

@@ -40,9 +40,10 @@ class Step:
 class Selection:
     """The result of selecting: predicates, operators learned with them, and how it came about.
 
-    ``dropped`` were chosen but are no operator's precondition; ``identical`` lists, for each selected predicate, the
-    candidates that agree with it everywhere; ``evaluations`` counts candidate sets considered, ``scored`` those whose
-    J had to be computed, ``searches`` the planning searches this took.
+    ``dropped`` were chosen but are no operator's precondition; ``pinned`` are selected because a person wants it;
+    ``identical`` lists, for each selected predicate, the candidates that agree with it everywhere; ``evaluations``
+    counts candidate sets considered, ``scored`` those whose J had to be computed, ``searches`` the planning searches
+    this took.
     """
 
     selected: tuple[Predicate, ...]
@@ -54,6 +55,7 @@ class Selection:
     scored: int
     searches: int
     budget_hits: int
+    pinned: tuple[Predicate, ...] = ()
 
 
 BATCH = 8
@@ -61,12 +63,20 @@ BATCH = 8
 
 
 class HillClimbing:
-    """Greedy forward selection from the initial predicates alone."""
+    """Greedy forward selection from the initial predicates and those that a person ``pinned``, which are kept."""
 
-    def __init__(self, learner: OperatorLearner, search: SkeletonSearch, rule: ClimbingRule, map_: Map = map) -> None:
+    def __init__(
+        self,
+        learner: OperatorLearner,
+        search: SkeletonSearch,
+        rule: ClimbingRule,
+        map_: Map = map,
+        pinned: Sequence[Predicate] = (),
+    ) -> None:
         self._learner = learner
         self._rule = rule
         self._data = learner.data
+        self._pinned = tuple(sorted(self._data.predicates.index(p) for p in pinned))
         self._objective = Objective(learner, search, map_)
         self._representatives = self._distinct_columns()
         self._evaluations = self._scored = self._budget_hits = 0
@@ -74,10 +84,9 @@ class HillClimbing:
     def run(self, progress: Progress = lambda done, total, text: None) -> Selection:
         """Climb until the early-stop rule holds or nothing improves; then learn the final operators."""
         data = self._data
-        initial = tuple(range(data.initial))
-        classes = self._learner.partition(initial)
-        score = self._objective.score((), classes)
-        current = Scored(-1, (), classes, score)
+        classes = self._learner.partition((*range(data.initial), *self._pinned))
+        score = self._objective.score(self._pinned, classes)
+        current = Scored(-1, self._pinned, classes, score)
         self._evaluations = self._scored = 1
         self._budget_hits = score.budget_hits
         steps = [Step(None, score.total, score.demos, ())]
@@ -108,8 +117,8 @@ class HillClimbing:
         """The cheapest (then most reliable, then first) candidate of every truth column, with others that share it."""
         by_column: dict[tuple[object, ...], list[int]] = {}
         everything = range(self._data.initial, len(self._data.predicates))
-        candidates = [p for p in everything if p not in self._learner.unreliable]
-        for p in sorted(candidates, key=self._learner.price):
+        candidates = [p for p in everything if p not in self._learner.unreliable or p in self._pinned]
+        for p in sorted(candidates, key=lambda p: (p not in self._pinned, self._learner.price(p))):
             by_column.setdefault(self._data.column(p), []).append(p)
         return {members[0]: members[1:] for members in sorted(by_column.values())}
 
@@ -160,7 +169,8 @@ class HillClimbing:
     def _without_superseded(self, reached: Scored) -> Sequence[int]:
         """The chosen predicates without those that later ones made superfluous, as far as the rule looks back."""
         kept = reached.chosen
-        for p in reached.chosen[:-1] if self._rule.looks_back else ():
+        added = reached.chosen[len(self._pinned) :]
+        for p in added[:-1] if self._rule.looks_back else ():
             fewer = tuple(q for q in kept if q != p)
             classes = self._learner.partition((*range(self._data.initial), *fewer))
             if self._rule.as_good(self._objective.score(fewer, classes), reached.score):
@@ -177,15 +187,18 @@ class HillClimbing:
             return tuple(to_operator(data, schema) for schema in found)
 
         used = {atom.predicate for op in learn(needed) for atom in op.preconditions}
-        kept = [p for p in needed if data.predicates[p] in used]
+        kept = [p for p in needed if data.predicates[p] in used or p in self._pinned]
         return Selection(
             tuple(data.predicates[p] for p in kept),
             tuple(data.predicates[p] for p in chosen if p not in kept),
             learn(kept),
             tuple(steps),
-            tuple((data.predicates[p], tuple(data.predicates[q] for q in self._representatives[p])) for p in kept),
+            tuple(
+                (data.predicates[p], tuple(data.predicates[q] for q in self._representatives.get(p, ()))) for p in kept
+            ),
             self._evaluations,
             self._scored,
             self._objective.searches,
             self._budget_hits,
+            tuple(data.predicates[p] for p in self._pinned),
         )

@@ -2,6 +2,8 @@
 
 from pix2pred.predicates.abstraction import Abstraction
 from pix2pred.predicates.asking import READ, Gap
+from pix2pred.predicates.corrections import CORRECTIONS, Corrections, CorrectionsError, load_corrections
+from pix2pred.predicates.evidence import EVIDENCE, EvidenceError, dump_evidence
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
 from pix2pred.predicates.label import Labeller, StateLabels, Step, UnusableAnswersError
 from pix2pred.predicates.label_settings import LabelSettings
@@ -17,9 +19,14 @@ from pix2pred.predicates.propose import (
 from pix2pred.predicates.table import Labelling, goal_warnings, ground_atoms, label_demos
 
 __all__ = [
+    "CORRECTIONS",
+    "EVIDENCE",
     "READ",
     "Abstraction",
+    "Corrections",
+    "CorrectionsError",
     "EmptyProposalError",
+    "EvidenceError",
     "Gap",
     "GrammarSettings",
     "LabelSettings",
@@ -32,10 +39,12 @@ __all__ = [
     "StateLabels",
     "Step",
     "UnusableAnswersError",
+    "dump_evidence",
     "feature_predicates",
     "goal_warnings",
     "ground_atoms",
     "label_demos",
     "lift",
+    "load_corrections",
     "propose",
 ]

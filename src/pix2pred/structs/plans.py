@@ -52,6 +52,7 @@ class ExecutedStep:
     """One skill of an episode: what was run and how it ended.
 
     For a skill with continuous parameters also which sampler chose them, and how many draws it rejected before.
+    ``observed`` are the changes seen afterwards, ``+`` for what became true; None where nobody looked.
     """
 
     action: str
@@ -60,6 +61,7 @@ class ExecutedStep:
     detail: str
     sampler: str = ""
     rejections: int = 0
+    observed: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)

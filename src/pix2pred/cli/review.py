@@ -1,0 +1,44 @@
+"""``review``: look at a run in the browser and correct it."""
+
+from __future__ import annotations
+
+import threading
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pix2pred.cli.console import NOT_NEGATIVE, err, out
+from pix2pred.report import write_report
+from pix2pred.review import ReviewServer
+from pix2pred.run_folder import RunFolder
+
+
+def review(
+    run: Path,
+    /,
+    *,
+    port: Annotated[int, Parameter(help="Port on this machine [default: a free one].", validator=NOT_NEGATIVE)] = 0,
+    open_browser: Annotated[bool, Parameter(name="--open", help="Open the page in a browser.")] = False,
+) -> int:
+    """Show the report of a run and correct it: labels, names, synonyms, banned and pinned predicates.
+
+    Corrections are appended to RUN/corrections.jsonl; what the model said is never changed. 'Learn again' in the page
+    and 'pix2pred learn --resume RUN' apply them, without asking the model. Ctrl-C ends the server.
+
+    Example: pix2pred review runs/stacks --open
+    """
+    folder = RunFolder(run)
+    folder.config()
+    with ReviewServer(folder, port) as server:
+        out.print(server.url, markup=False, soft_wrap=True)
+        err.print("Only this machine can open this address; keep it to yourself. Ctrl-C ends.", style="dim")
+        if open_browser:
+            threading.Timer(0.2, webbrowser.open, (server.url,)).start()
+        try:
+            server.serve_forever()
+        except KeyboardInterrupt:
+            err.print("\nall corrections are saved", style="dim")
+    write_report(folder)
+    return 0

@@ -1,0 +1,107 @@
+"""Everything a report shows, read from a run folder and from nowhere else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from pix2pred.learning import Reading, load_traces, readings
+from pix2pred.predicates import CORRECTIONS, EVIDENCE, Corrections, ground_atoms
+from pix2pred.predicates.corrections import Row, read_rows, with_atoms
+from pix2pred.predicates.evidence import Evidence, load_evidence
+from pix2pred.run_folder import RunFolder, RunFolderError
+from pix2pred.runs import ADVICE, AS_SAID, HISTORY, MODEL
+from pix2pred.structs import TruthTable, WorldModel
+from pix2pred.structs.model_file import load_model
+
+
+@dataclass(frozen=True)
+class Contents:
+    """A finished run. ``said`` are the model's labels, ``table`` the corrected ones that the world model comes from."""
+
+    folder: Path
+    config: Mapping[str, Any]
+    model: WorldModel
+    said: TruthTable
+    table: TruthTable
+    evidence: Evidence
+    advice: Mapping[str, Any]
+    selection: Mapping[str, Any]
+    metrics: Mapping[str, Any]
+    timings: Mapping[str, Any]
+    proposals: list[dict[str, Any]]
+    history: list[dict[str, Any]]
+    solved: Mapping[str, Mapping[str, Any]]
+    rows: tuple[Row, ...]
+
+    @cached_property
+    def corrections(self) -> Corrections:
+        """What the corrections amount to, those not yet learned with included."""
+        return Corrections.of(self.rows)
+
+    @cached_property
+    def learned_corrections(self) -> Corrections:
+        """The corrections that the world model was learned with."""
+        return Corrections.of(self.rows[: int(self.metrics.get("corrections", 0))])
+
+    @cached_property
+    def shown(self) -> TruthTable:
+        """All ground atoms under the names the model used, with labels as a person left them."""
+        predicates = (*self.said.initial, *(c.predicate for c in self.said.pool))
+        demos = tuple(with_atoms(d, ground_atoms(predicates, d.objects)) for d in self.said.demos)
+        only_labels = Corrections(labels=self.corrections.labels)
+        return only_labels.apply(TruthTable(self.said.initial, self.said.pool, demos)).table
+
+    @cached_property
+    def readings(self) -> list[Reading]:
+        """Which transitions support or contradict which operator."""
+        return readings(self.model.operators, [d.restricted(self.model.predicates) for d in self.table.demos])
+
+    def original(self, predicate: str) -> str:
+        """What the model called a predicate that may have been renamed."""
+        names = {new: old for old, new in self.learned_corrections.names.items()}
+        return names.get(predicate, predicate)
+
+    @property
+    def blobs(self) -> Path:
+        """Where pictures are, by digest."""
+        answers = self.config.get("answers")
+        return (Path(answers) if answers else self.folder) / "blobs"
+
+
+def load_contents(run: RunFolder) -> Contents:
+    """Read a run. Raises ``RunFolderError`` for a folder without a finished run."""
+    path = run.path
+    config = run.config()
+    missing = [
+        n for n in (MODEL, AS_SAID, EVIDENCE, ADVICE, "selection.json", "metrics.json") if not (path / n).exists()
+    ]
+    if missing:
+        raise RunFolderError(f"{path / missing[0]}: is missing; finish the run with 'pix2pred learn DATA --out {path}'")
+    return Contents(
+        path,
+        config,
+        load_model(path / MODEL),
+        load_traces(path / AS_SAID).table,
+        load_traces(path / "labels/traces.json").table,
+        load_evidence(path / EVIDENCE),
+        _json(path / ADVICE),
+        _json(path / "selection.json"),
+        _json(path / "metrics.json"),
+        _json(path / "timings.json") if (path / "timings.json").exists() else {},
+        _json(path / "proposals.json") if (path / "proposals.json").exists() else [],
+        [_json(p) for p in sorted((path / HISTORY).glob("*.json"))],
+        {p.parent.name: _json(p) for p in sorted((path / "solve").glob("*/summary.json"))},
+        read_rows(path / CORRECTIONS),
+    )
+
+
+def _json(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise RunFolderError(f"{path}: is damaged ({error}); run the command that wrote it again") from error

@@ -1,0 +1,40 @@
+"""A run learned in a blink from a model that says hostile things, for tests of reports and reviews."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cli.hostile_lamps import Fake, sees, write_lamps
+from pix2pred.cli.learn import resolve_settings
+from pix2pred.demos import project_digest, read_project
+from pix2pred.report import write_report
+from pix2pred.run_folder import RunFolder
+from pix2pred.runs import learn_into
+from pix2pred.vlm import AnswerStore, CountingVLM, Request, StoredVLM
+
+BOMB = "</script><script>window.boom=1</script><img src=x onerror=window.boom=2>"
+"""What must never run, wherever it comes from."""
+
+
+def _says(request: Request) -> str:
+    if request.purpose == "propose":
+        return "* lit(l1)\n* bright(l1)\n* near(robby, l2)\n* lit(ghost)\n"
+    return sees(request).replace("As seen.", f"As seen {BOMB}")
+
+
+def learn_lamps(root: Path, name: str = "run<img src=x onerror=boom>", demos: int = 2) -> RunFolder:
+    """A finished run with its report in ``root/name``. ``bright`` is never true, ``lit`` always right."""
+    project = read_project(write_lamps(root / "data", demos))
+    settings = resolve_settings(project, None)
+    model = Fake(_says, _says, f"fake{BOMB}")
+    with RunFolder(root / name).locked() as run:
+        run.claim(
+            {
+                "data": project_digest(project), "vlm": "fake", "model": model.name, "simulator": {},
+                "settings": settings.model_dump(mode="json"), "answers": None,
+            }
+        )  # fmt: skip
+        vlm = CountingVLM(StoredVLM(model, AnswerStore(run.path)))
+        learn_into(run, project.vocabulary, project.demos, vlm, settings, lambda *_: None)
+        write_report(run)
+    return run

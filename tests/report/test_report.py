@@ -1,0 +1,135 @@
+"""The report: what it says, that it says it safely, and that nothing is loaded from outside."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lamps_run import BOMB, learn_lamps
+from pix2pred.predicates import CORRECTIONS
+from pix2pred.report import REPORT, load_contents, render, write_report
+from pix2pred.run_folder import RunFolder, RunFolderError
+from pix2pred.runs import relearn
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    return learn_lamps(tmp_path_factory.mktemp("lamps"))
+
+
+class Page(HTMLParser):
+    """The tags of a page with their attributes, and the text of its tables."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.data: dict[str, Any] = {}
+        self._in_data = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        self._in_data = tag == "script" and dict(attrs).get("id") == "data"
+
+    def handle_data(self, data: str) -> None:
+        if self._in_data:
+            self.data = json.loads(data)
+            self._in_data = False
+
+    def count(self, tag: str) -> int:
+        return sum(name == tag for name, _ in self.tags)
+
+
+def page(run: RunFolder) -> Page:
+    return Page((run.path / REPORT).read_text())
+
+
+def test_labels_pictures_and_explanations_are_inside(run: RunFolder) -> None:
+    data = page(run).data
+    lit = next(i for i, p in enumerate(data["predicates"]) if p["phrase"] == "lit")
+    demo = data["demos"][0]
+    rows = {tuple(atom): i for i, atom in enumerate(demo["atoms"])}
+    names = [o[0] for o in demo["objects"]]
+    row = rows[lit, names.index("l1")]
+    assert demo["labels"][row] == "011"
+    assert [data["explanations"][n] for n in demo["why"][str(row)]] == [f"As seen {BOMB}"] * 3
+    assert len({s[0]["picture"] for s in demo["states"]}) == 3
+    assert all(uri.startswith("data:image/webp;base64,") for uri in data["pictures"])
+    assert len(data["pictures"]) == len(set(data["pictures"])) == 6
+    assert demo["states"][1][0]["crop"] is not None
+
+
+def test_sections_say_what_happened(run: RunFolder) -> None:
+    text = (run.path / REPORT).read_text()
+    for expected in ("ghost is not an object", "true in no state", "transitions in support", "Steps of the climb"):
+        assert expected in text
+    contents = load_contents(run)
+    assert all(reading.verdict == "supports" for reading in contents.readings)
+    assert {r.operator for r in contents.readings} == {op.name for op in contents.model.operators}
+
+
+def test_tables_have_headers_and_captions(run: RunFolder) -> None:
+    tags = page(run).tags
+    tables = sum(tag == "table" for tag, _ in tags)
+    assert tables >= 4
+    assert sum(tag == "caption" for tag, _ in tags) == tables
+    assert all("scope" in attributes for tag, attributes in tags if tag == "th")
+
+
+def test_nothing_is_loaded_from_outside(run: RunFolder) -> None:
+    parsed = page(run)
+    for _, attributes in parsed.tags:
+        for name in ("src", "href", "srcset", "action"):
+            assert (attributes.get(name) or "#").startswith(("#", "data:"))
+    text = (run.path / REPORT).read_text()
+    assert not re.search(r"url\(\s*['\"]?https?:|@import", text)
+    policy = next(a["content"] for tag, a in parsed.tags if "http-equiv" in a) or ""
+    assert "default-src 'none'" in policy and "unsafe-eval" not in policy
+    script = policy.partition("script-src")[2].partition(";")[0]
+    assert "'sha256-" in script and "unsafe-inline" not in script
+
+
+def test_hostile_texts_stay_texts(run: RunFolder) -> None:
+    parsed = page(run)
+    assert parsed.count("script") == 2  # data and program
+    assert parsed.count("img") == 0
+    assert not any(name.startswith("on") for _, attributes in parsed.tags for name in attributes)
+    review = Page(render(load_contents(run), review=True))
+    assert (review.count("script"), review.count("img")) == (3, 0)
+
+
+def test_corrections_reach_learning_and_the_report_shows_before_and_after(tmp_path: Path) -> None:
+    run = learn_lamps(tmp_path)
+    before = (run.path / "labels/as_said.json").read_bytes()
+    when: dict[str, object] = {"when": "2026-01-01T00:00:00Z"}
+    rows: list[dict[str, object]] = [
+        {"kind": "label", "demo": "d0", "state": 0, "atom": ["bright0", "l1"], "old": "false", "new": "true"},
+        {"kind": "rename", "predicate": "lit0", "old": "lit0", "new": "<script>shines</script>"},
+        {"kind": "standing", "predicate": "lit0", "old": "free", "new": "pinned"},
+    ]
+    (run.path / CORRECTIONS).write_text("".join(json.dumps(when | row) + "\n" for row in rows))
+    selected, metrics = relearn(run, lambda *_: None)
+    write_report(run)
+    assert [p.name for p in selected.selection.pinned] == ["<script>shines</script>"]
+    assert metrics["corrections"] == 3
+    assert (run.path / "labels/as_said.json").read_bytes() == before
+    text = (run.path / REPORT).read_text()
+    assert "Before and after" in text and "&lt;script&gt;shines" in text and "<script>shines" not in text
+    data = page(run).data
+    bright = next(i for i, p in enumerate(data["predicates"]) if p["phrase"] == "bright")
+    demo = data["demos"][0]
+    row = next(i for i, atom in enumerate(demo["atoms"]) if atom[0] == bright and demo["objects"][atom[1]][0] == "l1")
+    assert (demo["labels"][row], demo["said"][str(row)]) == ("100", "000")
+    assert [h["corrections"] for h in load_contents(run).history] == [0, 3]
+
+
+def test_an_unfinished_run_is_refused(tmp_path: Path) -> None:
+    run = learn_lamps(tmp_path)
+    (run.path / "labels/evidence.json").unlink()
+    with pytest.raises(RunFolderError, match="finish the run"):
+        load_contents(run)
