@@ -20,7 +20,7 @@ def _tree(folder: Path, *but: str) -> dict[str, bytes]:
     return {
         str(p.relative_to(folder)): p.read_bytes()
         for p in sorted(folder.rglob("*"))
-        if p.is_file() and p.name not in (*but, "timings.json", ".lock")
+        if p.is_file() and p.name not in (*but, "timings.json", "report.html", ".lock")
     }
 
 
@@ -130,7 +130,7 @@ def test_help_shows_an_example(cli: Cli, verb: str) -> None:
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (["learn"], "requires an argument"),
+        (["learn"], "name the data and a run folder"),
         (["solve", "nowhere"], "holds no run"),
         (["generate", "burgerr", "--out", "x"], "did you mean 'burger'"),
         (["generate", "burger", "--family", "biger", "--out", "x"], "did you mean 'bigger'"),
