@@ -71,17 +71,17 @@ def repair(data: Data, classes: Partition, noisy: Sequence[int]) -> Repaired:
     """Estimate errors and effects of the predicates ``noisy``, given classes of transitions made without them."""
     places = _Places(data, classes)
     result = Repaired({}, {}, {}, {})
-    guess = FIRST_GUESS
+    guess, floor = FIRST_GUESS, 0.0
     blocks = list(_blocks(data, places, noisy))
-    for _ in range(2):  # the second time with the pooled error rate of the first as the prior
+    for _ in range(2):  # the second time with the pooled error rate of the first as the prior and the least assumed
         rates: dict[int, float] = {}
         for chains in blocks:
-            model = _Model(chains, places.kin(), guess)
+            model = _Model(chains, places.kin(), guess, floor)
             model.fit()
             rates.update(zip(chains.predicates, model.rates.tolist(), strict=True))
             result.surprise.update(zip(chains.predicates, model.surprise.tolist(), strict=True))
             model.store(data, places, result)
-        guess = float(np.clip(np.median(list(rates.values())), 1e-3, FIRST_GUESS)) if rates else guess
+        guess = floor = float(np.clip(np.median(list(rates.values())), 1e-3, FIRST_GUESS)) if rates else guess
     return result
 
 
@@ -204,9 +204,10 @@ def _chains(data: Data, places: _Places, rows: Sequence[tuple[int, int, ObjectId
 class _Model:
     """Error rates per predicate and transition probabilities per (predicate, place), fitted to one block."""
 
-    def __init__(self, chains: _Chains, kin: Ints, guess: float) -> None:
+    def __init__(self, chains: _Chains, kin: Ints, guess: float, floor: float) -> None:
         self._chains = chains
         self._guess = guess
+        self._floor = floor
         self._member: Floats = (kin[:, None] == np.arange(kin.max() + 1)).astype(float)
         n, places = len(chains.predicates), len(kin)
         self.rates: Floats = np.full(n, guess)
@@ -229,6 +230,10 @@ class _Model:
             self._up = (counts[0, 1] + 0.2) / (counts[0].sum(0) + 1.0)
             self._down = (counts[1, 0] + 0.2) / (counts[1].sum(0) + 1.0)
             self._fix_frame()
+        free = self._up, self._down
+        self._settle(self._expect(), MIXED)
+        self._settle_before()
+        self._up, self._down = free  # that was a first opinion: what the next skill needs may overturn it
         for choices in (MIXED, MIXED, MIXED + 1, MIXED + 1):
             self._settle(self._expect(), choices)
             self._expect()
@@ -244,7 +249,7 @@ class _Model:
     def _expect(self) -> Floats:
         """Beliefs, error rates, and expected counts of shape (2, 2, predicates, places) of value before and after."""
         chains, seen = self._chains, self._seen
-        rate = self.rates[chains.owner][:, None]
+        rate = np.maximum(self.rates, self._floor)[chains.owner][:, None]
         wrong_if_true = chains.labels == 0
         like_true = np.where(seen, np.where(wrong_if_true, rate, 1 - rate), 1.0)
         like_false = np.where(seen, np.where(wrong_if_true, 1 - rate, rate), 1.0)
@@ -304,7 +309,7 @@ class _Model:
     def _scores(self, counts: Floats) -> Floats:
         """Penalised log-likelihoods of NONE, ADD, DELETE and MIXED."""
         stay0, rise, fall, stay1 = counts[0, 0], counts[0, 1], counts[1, 0], counts[1, 1]
-        slip = np.maximum(SLIP, self.rates)[:, None]
+        slip = np.maximum(max(SLIP, self._floor), self.rates)[:, None]
         miss, hit = np.log(slip), np.log(1 - slip)
         penalty = 0.5 * np.log(counts.sum((0, 1)) + 1)
         scores: Floats = np.stack([
