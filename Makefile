@@ -31,10 +31,10 @@ demo: $(VENV)/run.stamp
 	$(BIN)/pix2pred demo
 
 test: $(VENV)/dev.stamp
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 test-all: $(VENV)/all.stamp
-	PIX2PRED_NO_SKIPS=1 $(BIN)/python -m pytest -m extra
+	PIX2PRED_NO_SKIPS=1 $(BIN)/python -m pytest -n auto --dist loadfile -m extra
 	$(MAKE) bench-smoke
 
 bench-smoke: $(VENV)/run.stamp

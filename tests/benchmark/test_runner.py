@@ -23,7 +23,7 @@ from pix2pred.run_folder import RunFolderError
 from pix2pred.vlm import StoreMode
 
 ROOT = Path(__file__).parents[1]
-KILLS = int(os.environ.get("PIX2PRED_KILLS", "10"))
+KILLS = int(os.environ.get("PIX2PRED_KILLS", "4"))
 
 
 @pytest.fixture(scope="module")
