@@ -17,6 +17,7 @@ import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -212,12 +213,12 @@ def main() -> None:
         rng = np.random.default_rng(np.random.SeedSequence((seed, 12)))
         trial = Trial(seed, pushes, [start(rng) for _ in range(args.tries)])
         for name, method in trial.evenly().items():
-            rows.make(f"{prefix}, {name}", lambda trial=trial, method=method: tried(trial, method))
+            rows.make(f"{prefix}, {name}", partial(tried, trial, method))
         for size, name in zip(args.sizes, names, strict=True):
             good = sum(p.worked for p in pushes[:size])
-            rows.make(f"{name}, good", lambda good=good: {"worked": good})
+            rows.make(f"{name}, good", partial(dict, worked=good))
             for method_name, method in trial.methods(size).items():
-                rows.make(f"{name}, {method_name}", lambda trial=trial, method=method: tried(trial, method))
+                rows.make(f"{name}, {method_name}", partial(tried, trial, method))
     print(table(rows, args.sizes, args.seeds, args.tries))
     print(f"\n{time.perf_counter() - begin:.0f} s")
 
