@@ -22,6 +22,7 @@ from pix2pred.structs import (
     Skill,
     TruthTable,
     Type,
+    groundings,
     unknown_as_false,
 )
 
@@ -109,6 +110,19 @@ class Data:
     def changing(self, predicate: int) -> frozenset[int]:
         """The transitions over which ``predicate`` changes."""
         return frozenset(self._effects[predicate])
+
+    def demos_divided(self, predicate: int) -> int:
+        """In how many demonstrations ``predicate`` is at first true of some of the objects it may be about, not all."""
+        types = self.predicates[predicate].types
+        count = 0
+        for d, demo in enumerate(self.demos):
+            held = self.extension(d, 0, predicate)
+            objects = [self.objects[o] for o in demo.objects]
+            count += bool(held) and any(
+                tuple(self._object_ids[o] for o in args) not in held
+                for args in groundings(types, objects, distinct=True)
+            )
+        return count
 
     def column(self, predicate: int) -> tuple[object, ...]:
         """All values of a predicate: two candidates with equal columns are interchangeable."""

@@ -38,7 +38,9 @@ def hill_climbing(
 ) -> HillClimbing:
     """Selection as ``settings`` ask for, from ``pinned`` candidates on; ``map_`` may share the searches."""
     learner = operator_learner(table, settings)
-    return HillClimbing(learner, skeleton_search(settings), climbing_rule(settings), map_, pinned)
+    return HillClimbing(
+        learner, skeleton_search(settings), climbing_rule(settings), map_, pinned, settings.static_demos
+    )
 
 
 def skeleton_search(settings: LearningSettings) -> SkeletonSearch:
@@ -56,4 +58,4 @@ def climbing_rule(settings: LearningSettings) -> ClimbingRule:
     if settings.operators == "robust":
         return Explained()
     margin = 0.0 if settings.engine == "exact-tree" else 1.0
-    return Published(settings.early_stop, settings.j_threshold, margin)
+    return Published(settings.early_stop, settings.j_threshold, margin, settings.superseded == "drop")

@@ -69,6 +69,7 @@ class Published:
     early_stop: Literal["level", "improvement"]
     j_threshold: float
     margin: float = 0.0
+    looks_back: bool = False
 
     def finished(self, reached: Score) -> bool:
         """See ``ClimbingRule``."""
@@ -89,14 +90,11 @@ class Published:
         (method 14.2)."""
         return self.early_stop == "level" or before.total - after.total > self.j_threshold
 
-    @property
-    def looks_back(self) -> bool:
-        """See ``ClimbingRule``."""
-        return False
-
     def as_good(self, fewer: Score, reached: Score) -> bool:
-        """See ``ClimbingRule``."""
-        return False
+        """See ``ClimbingRule``: whether the early stop would not have asked for the predicate."""
+        if self.early_stop == "improvement":
+            return fewer.total - reached.total <= self.j_threshold
+        return fewer.total <= max(reached.total, self.j_threshold)
 
 
 @dataclass(frozen=True, slots=True)

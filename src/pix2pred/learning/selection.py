@@ -72,11 +72,13 @@ class HillClimbing:
         rule: ClimbingRule,
         map_: Map = map,
         pinned: Sequence[Predicate] = (),
+        static_demos: int = 0,
     ) -> None:
         self._learner = learner
         self._rule = rule
         self._data = learner.data
         self._pinned = tuple(sorted(self._data.predicates.index(p) for p in pinned))
+        self._static_demos = min(static_demos, len(self._data.demos))
         self._objective = Objective(learner, search, map_)
         self._representatives = self._distinct_columns()
         self._evaluations = self._scored = self._budget_hits = 0
@@ -117,10 +119,20 @@ class HillClimbing:
         """The cheapest (then most reliable, then first) candidate of every truth column, with others that share it."""
         by_column: dict[tuple[object, ...], list[int]] = {}
         everything = range(self._data.initial, len(self._data.predicates))
-        candidates = [p for p in everything if p not in self._learner.unreliable or p in self._pinned]
+        candidates = [p for p in everything if p in self._pinned or self._eligible(p)]
         for p in sorted(candidates, key=lambda p: (p not in self._pinned, self._learner.price(p))):
             by_column.setdefault(self._data.column(p), []).append(p)
         return {members[0]: members[1:] for members in sorted(by_column.values())}
+
+    def _eligible(self, p: int) -> bool:
+        """Whether a candidate's labels make sense, and it is more than a name for objects of one demonstration.
+
+        A predicate that never changes can only tell objects apart. What it says of a demonstration's objects is one
+        observation, however many states repeat it, so it has to do so within several demonstrations.
+        """
+        if p in self._learner.unreliable:
+            return False
+        return bool(self._data.changing(p)) or self._data.demos_divided(p) >= self._static_demos
 
     def _expand(self, current: Scored, progress: Progress) -> list[Scored]:
         """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.

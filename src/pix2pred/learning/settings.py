@@ -28,6 +28,13 @@ class LearningSettings(BaseModel):
     precondition_rule: Literal["at_least", "more_than"] = Field(
         "at_least", description="count/n >= h_pre_frac, or > with h_pre_frac = 1 meaning all"
     )
+    superseded: Literal["drop", "keep"] = Field(
+        "drop", description="what becomes of a predicate without which J still meets the early stop; published: keep"
+    )
+    static_demos: int = Field(
+        2, ge=0, description="demonstrations within which a predicate that never changes must tell objects apart; "
+        "published: 0",
+    )  # fmt: skip
     max_plans: int = Field(200, ge=1, description="skeletons considered per demonstration (K of section 6.2)")
     node_budget: int = Field(
         100_000, ge=1, description="search nodes per demonstration; stands in for the paper's wall-clock limit"

@@ -73,6 +73,31 @@ def test_tasks_do_not_depend_on_each_other_and_survive_json(task: SimulatedTask)
 
 
 @need("mujoco", extra="sim")
+def test_running_the_actions_from_the_starts_visits_the_demonstrations_again(demos: Sequence[Demo]) -> None:
+    domain = CoffeeDomain()
+    starts = domain.demonstration_starts("three-cups", 0)
+    assert [s.task.name for s in starts] == [d.name for d in demos]
+    for demo, start in zip(demos, starts, strict=True):
+        assert start.task.initial == demo.states[0] and start.task.goal == demo.goal
+        environment = domain.environment(start.task, start.simulator)
+        for action, state in zip(demo.actions, demo.states[1:], strict=True):
+            environment.execute(action)
+            assert environment.features() == state.features
+
+
+@need("mujoco", extra="sim")
+def test_tasks_of_any_size(drawing: None, task: SimulatedTask) -> None:
+    (sized,) = CoffeeDomain().sized_tasks("three-cups", 3, 1, 5)
+    assert [o.name for o in sized.task.objects if o.type.name == "cup"] == [f"cup{i}" for i in range(5)]
+    assert len(sized.task.goal) == 5
+    three = CoffeeDomain().sized_tasks("three-cups", 3, 1, 3)[0]
+    assert three.simulator != task.simulator, "scenes of their own"
+    for none_or_too_many in (0, MOST_CUPS + 1):
+        with pytest.raises(ValueError, match="cup"):
+            CoffeeDomain().sized_tasks("three-cups", 3, 1, none_or_too_many)
+
+
+@need("mujoco", extra="sim")
 def test_film_shows_a_skill_while_it_runs(task: SimulatedTask) -> None:
     domain = CoffeeDomain()
     environment = domain.environment(task.task, task.simulator)

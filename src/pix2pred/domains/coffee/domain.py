@@ -44,23 +44,38 @@ class CoffeeDomain:
     def demonstrations(self, family: str, seed: int) -> Sequence[Demo]:
         """The five rendered demonstrations, one with two cups and four with one."""
         chosen = self._family(family)
-        demos = []
-        for index, recipe in enumerate(DEMONSTRATIONS):
-            rng = scene_generator(seed, Split.DEMONSTRATIONS, 0, index)
-            world = initial_world(recipe.cups, rng, recipe.turned_away)
-            demos.append(demonstrate(f"coffee-{index}-{recipe.name}", recipe, world, chosen.above))
-        return tuple(demos)
+        return tuple(
+            demonstrate(f"coffee-{index}-{recipe.name}", recipe, _demonstration_world(seed, index), chosen.above)
+            for index, recipe in enumerate(DEMONSTRATIONS)
+        )
 
     def tasks(self, family: str, seed: int, count: int = 10) -> Sequence[SimulatedTask]:
         """``count`` test tasks: fill every cup; in about half of them the jug's handle is turned away."""
-        chosen = self._family(family)
-        tasks = []
-        for index in range(count):
-            world = initial_world(chosen.test_cups, scene_generator(seed, Split.TASKS, chosen.test_cups, index))
-            objects = objects_of(world)
-            task = Task(f"{family}-test-{index}", objects, observe(world, GIVEN, chosen.above), all_filled(objects))
-            tasks.append(SimulatedTask(task, {"family": family, "world": world.to_dict()}))
-        return tuple(tasks)
+        return self._tasks(f"{family}-test", family, Split.TASKS, seed, count, self._family(family).test_cups)
+
+    def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
+        """The initial states of ``demonstrations(family, seed)``: running their actions visits their states again."""
+        self._family(family)
+        return tuple(
+            self._task(f"coffee-{index}-{recipe.name}", family, _demonstration_world(seed, index))
+            for index, recipe in enumerate(DEMONSTRATIONS)
+        )
+
+    def sized_tasks(self, family: str, seed: int, count: int, items: int) -> Sequence[SimulatedTask]:
+        """``count`` tasks with ``items`` cups. Raises ``ValueError`` when they do not fit the table, or for none."""
+        if items < 1:
+            raise ValueError(f"a task needs a cup to fill, not {items}")
+        return self._tasks(f"{family}-{items}-cups", family, Split.SIZED, seed, count, items)
+
+    def _tasks(self, name: str, family: str, split: Split, seed: int, count: int, cups: int) -> Sequence[SimulatedTask]:
+        worlds = [initial_world(cups, scene_generator(seed, split, cups, index)) for index in range(count)]
+        return tuple(self._task(f"{name}-{index}", family, world) for index, world in enumerate(worlds))
+
+    def _task(self, name: str, family: str, world: World) -> SimulatedTask:
+        objects = objects_of(world)
+        initial = observe(world, GIVEN, self._family(family).above)
+        task = Task(name, objects, initial, all_filled(objects))
+        return SimulatedTask(task, {"family": family, "world": world.to_dict()})
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> CoffeeEnvironment:
         """A fresh episode of a task.
@@ -81,3 +96,8 @@ class CoffeeDomain:
         if name not in FAMILIES:
             raise ValueError(f"coffee has no family {name!r}; choose from {', '.join(FAMILIES)}")
         return FAMILIES[name]
+
+
+def _demonstration_world(seed: int, index: int) -> World:
+    recipe = DEMONSTRATIONS[index]
+    return initial_world(recipe.cups, scene_generator(seed, Split.DEMONSTRATIONS, 0, index), recipe.turned_away)

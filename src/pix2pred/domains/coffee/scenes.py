@@ -26,6 +26,7 @@ class Split(IntEnum):
     DEMONSTRATIONS = 0
     TASKS = 1
     READER = 2
+    SIZED = 3
 
 
 def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:

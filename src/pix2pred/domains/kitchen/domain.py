@@ -13,6 +13,8 @@ from pix2pred.domains.kitchen.world import World
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import SimulatedTask, SimulatorState, StepStatus
 
+DEMONSTRATIONS = 3
+
 
 class KitchenDomain:
     """Boil a kettle: demonstrations on the back left burner, tests on the back right one."""
@@ -35,19 +37,24 @@ class KitchenDomain:
         """Three demonstrations: turn on knob 4, push the kettle onto burner 4."""
         self._check(family)
         return tuple(
-            _demonstrate(f"{family}-{i:02d}", start_world(seed, Split.DEMONSTRATIONS, i, LEFT)) for i in range(3)
+            _demonstrate(f"{family}-{i:02d}", start_world(seed, Split.DEMONSTRATIONS, i, LEFT))
+            for i in range(DEMONSTRATIONS)
         )
 
     def tasks(self, family: str, seed: int, count: int = 10) -> Sequence[SimulatedTask]:
         """Tasks with the kettle in front on the right: boil it on burner 3."""
         self._check(family)
-        goal = boiling("3")
-        tasks = []
-        for index in range(count):
-            world = start_world(seed, Split.TASKS, index, RIGHT)
-            initial = KitchenEnvironment(world, goal).observe()
-            tasks.append(SimulatedTask(Task(f"{family}-test-{index}", OBJECTS, initial, goal), world.to_dict()))
-        return tuple(tasks)
+        return tuple(
+            _task(f"{family}-test-{index}", start_world(seed, Split.TASKS, index, RIGHT), "3") for index in range(count)
+        )
+
+    def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
+        """The initial states of ``demonstrations(family, seed)``: running their actions visits their states again."""
+        self._check(family)
+        return tuple(
+            _task(f"{family}-{i:02d}", start_world(seed, Split.DEMONSTRATIONS, i, LEFT), "4")
+            for i in range(DEMONSTRATIONS)
+        )
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> KitchenEnvironment:
         """A fresh episode of a task. Raises ``ValueError`` when the simulator state is not one of the kitchen."""
@@ -60,6 +67,11 @@ class KitchenDomain:
     def _check(self, family: str) -> None:
         if family not in self.families:
             raise ValueError(f"kitchen has no family {family!r}; choose from {', '.join(self.families)}")
+
+
+def _task(name: str, world: World, number: str) -> SimulatedTask:
+    goal = boiling(number)
+    return SimulatedTask(Task(name, OBJECTS, KitchenEnvironment(world, goal).observe(), goal), world.to_dict())
 
 
 def _demonstrate(name: str, world: World) -> Demo:
