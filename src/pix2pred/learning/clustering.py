@@ -7,10 +7,10 @@ re-partitions the classes in which that predicate changes (engine, item 7).
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import chain, product
 
 from pix2pred.learning.data import Data, ObjectIds
 from pix2pred.structs import Type
@@ -32,10 +32,19 @@ class Member:
 
 @dataclass(slots=True)
 class Memo:
-    """What follows from a class's members alone: the variable of each object, and what holds before, by predicate."""
+    """What follows from a class's members alone: the variable of each object, and by predicate what holds before each
+    member and in how many."""
 
     variables: list[dict[int, int]] = field(default_factory=list)
+    held: dict[int, list[list[tuple[int, ...]]]] = field(default_factory=dict)
     before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+
+    def of(self, members: Sequence[int]) -> Memo:
+        """The same for some of the members, the variables unchanged."""
+        return Memo(
+            [self.variables[i] for i in members] if self.variables else [],
+            {p: [held[i] for i in members] for p, held in self.held.items()},
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,23 +74,28 @@ class TransitionClass:
         """In how many members each atom of ``predicate`` over the variables holds before the skill."""
         before = self.memo.before
         if predicate not in before:
-            counts: dict[tuple[int, ...], int] = {}
-            fitting = [
-                [v for v, t in enumerate(self.types) if t.is_a(wanted)] for wanted in data.predicates[predicate].types
-            ]
-            atoms = list(product(*fitting))
-            for member, variable in zip(self.members, self.variables(), strict=True) if atoms else ():
-                held = data.before(member.transition, predicate)
-                if len(held) <= len(atoms):
-                    found = [tuple([variable.get(o, -1) for o in args]) for args in held]
-                    found = [lifted for lifted in found if -1 not in lifted]
-                else:
-                    objects = member.objects
-                    found = [lifted for lifted in atoms if tuple([objects[v] for v in lifted]) in held]
-                for lifted in found:
-                    counts[lifted] = counts.get(lifted, 0) + 1
+            counts = Counter(chain.from_iterable(self.held_before(data, predicate)))
             before[predicate] = dict(sorted(counts.items()))
         return before[predicate]
+
+    def held_before(self, data: Data, predicate: int) -> list[list[tuple[int, ...]]]:
+        """For every member, the atoms of ``predicate`` over the variables that hold before the skill."""
+        held = self.memo.held
+        if predicate not in held:
+            held[predicate] = list(self._lifted_before(data, predicate))
+        return held[predicate]
+
+    def _lifted_before(self, data: Data, predicate: int) -> Iterator[list[tuple[int, ...]]]:
+        wanted = data.predicates[predicate].types
+        atoms = list(product(*([v for v, t in enumerate(self.types) if t.is_a(w)] for w in wanted)))
+        for member, variable in zip(self.members, self.variables(), strict=True):
+            true = data.before(member.transition, predicate) if atoms else ()
+            if len(true) <= len(atoms):
+                found = [tuple([variable.get(o, -1) for o in args]) for args in true]
+                yield [lifted for lifted in found if -1 not in lifted]
+            else:
+                objects = member.objects
+                yield [lifted for lifted in atoms if tuple([objects[v] for v in lifted]) in true]
 
 
 Partition = tuple[TransitionClass, ...]
@@ -120,6 +134,9 @@ class _Change:
     delete: frozenset[tuple[int, ...]]
 
 
+UNCHANGED = _Change((), frozenset(), frozenset())
+
+
 def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
     """The parts of ``cls`` by what ``added`` does to its variables and to other objects.
 
@@ -129,8 +146,12 @@ def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
     free = [t for v, t in enumerate(cls.types) if v not in cls.skill_args]
     if len(set(free)) < len(free):
         return None
-    parts: dict[_Change, list[Member]] = {}
-    for member, variable in zip(cls.members, cls.variables(), strict=True):
+    changing = data.changing(added)
+    parts: dict[_Change, list[tuple[int, Member]]] = {}
+    for i, (member, variable) in enumerate(zip(cls.members, cls.variables(), strict=True)):
+        if member.transition not in changing:
+            parts.setdefault(UNCHANGED, []).append((i, member))
+            continue
         changes = data.effects(added, member.transition)
         others = {o for extension in changes for args in extension for o in args} - variable.keys()
         if others:
@@ -141,7 +162,7 @@ def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
         if len(set(kinds)) < len(kinds):
             return None
         plus, minus = (frozenset([tuple([variable[o] for o in args]) for args in e]) for e in changes)
-        parts.setdefault(_Change(kinds, plus, minus), []).append(member)
+        parts.setdefault(_Change(kinds, plus, minus), []).append((i, member))
     if len(parts) == 1:
         (change,) = parts
         if not change.outside:
@@ -155,8 +176,9 @@ def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
     return tuple(_part(cls, members, added, change) for change, members in parts.items())
 
 
-def _part(cls: TransitionClass, members: Sequence[Member], added: int, change: _Change) -> TransitionClass:
-    """The class of ``members`` alone, its variables in the order of the first member's object names."""
+def _part(cls: TransitionClass, numbered: Sequence[tuple[int, Member]], added: int, change: _Change) -> TransitionClass:
+    """The class of some members alone, its variables in the order of the first member's object names."""
+    members = [member for _, member in numbered]
     types = cls.types + change.outside
     order = sorted(range(len(types)), key=members[0].objects.__getitem__)
     new = {old: v for v, old in enumerate(order)}
@@ -164,6 +186,10 @@ def _part(cls: TransitionClass, members: Sequence[Member], added: int, change: _
     def renumbered(lifted: Iterable[Lifted], more: Iterable[tuple[int, ...]]) -> tuple[Lifted, ...]:
         return tuple(sorted((p, tuple(new[v] for v in args)) for p, args in (*lifted, *((added, m) for m in more))))
 
+    if order == list(range(len(cls.types))):
+        add, delete = renumbered(cls.add, change.add), renumbered(cls.delete, change.delete)
+        memo = cls.memo.of([i for i, _ in numbered])
+        return replace(cls, add=add, delete=delete, members=tuple(members), memo=memo)
     return TransitionClass(
         cls.skill,
         tuple(types[old] for old in order),
