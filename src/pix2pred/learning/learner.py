@@ -40,6 +40,10 @@ class OperatorLearner(Protocol):
         """What a candidate costs, doubts about its labels included: the cheaper of two that serve alike is taken."""
         ...
 
+    def doubt(self, candidate: int) -> float:
+        """Share of a candidate's labels that this learner cannot account for; 0 where it takes them at their word."""
+        ...
+
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
         """How badly the operators learned with ``chosen`` account for the labels of the last of them."""
         ...
@@ -68,6 +72,10 @@ class ClusterAndIntersect:
     def price(self, candidate: int) -> float:
         """See ``OperatorLearner``."""
         return self.data.cost(candidate)
+
+    def doubt(self, candidate: int) -> float:
+        """See ``OperatorLearner``."""
+        return 0.0
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
         """Transitions of dropped classes and members in which a precondition over the last candidate does not hold."""

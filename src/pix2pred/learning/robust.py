@@ -96,11 +96,15 @@ class Robust:
 
     def price(self, candidate: int) -> float:
         """See ``OperatorLearner``."""
-        return self.data.cost(candidate) + DOUBT * self._repaired.surprise[candidate]
+        return self.data.cost(candidate) + DOUBT * self.doubt(candidate)
+
+    def doubt(self, candidate: int) -> float:
+        """See ``OperatorLearner``."""
+        return self._repaired.surprise[candidate]
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
         """See ``OperatorLearner``. The labels of a candidate are explained as well as they ever will be."""
-        return self._repaired.surprise[chosen[-1]]
+        return self.doubt(chosen[-1])
 
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
         """See ``OperatorLearner``."""

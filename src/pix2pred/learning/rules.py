@@ -34,8 +34,9 @@ class ClimbingRule(Protocol):
         """Whether nothing is left to gain."""
         ...
 
-    def ceiling(self, j: float) -> float:
-        """The largest J with which a candidate can still be taken when another has ``j``."""
+    def ceiling(self, j: float, doubt: float) -> float:
+        """The largest J with which a candidate can still be taken when another, of which ``doubt`` is the share of
+        labels not accounted for, has ``j``."""
         ...
 
     def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
@@ -75,14 +76,14 @@ class Published:
         """See ``ClimbingRule``."""
         return self.early_stop == "level" and reached.total <= self.j_threshold
 
-    def ceiling(self, j: float) -> float:
-        """See ``ClimbingRule``."""
+    def ceiling(self, j: float, doubt: float) -> float:
+        """See ``ClimbingRule``. Labels are taken at their word."""
         return j + self.margin
 
     def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
         """See ``ClimbingRule``."""
         smallest = min(s.score.total for s in scored)
-        rivals = [s for s in scored if s.score.total <= self.ceiling(smallest)]
+        rivals = [s for s in scored if s.score.total <= self.ceiling(smallest, 0.0)]
         return rivals[0] if self.margin == 0 or len(rivals) == 1 else best_explained(learner, rivals)
 
     def worthwhile(self, before: Score, after: Score) -> bool:
@@ -115,15 +116,23 @@ class Explained:
         """See ``ClimbingRule``."""
         return False
 
-    def ceiling(self, j: float) -> float:
+    scepticism: float = 5.0
+    """How much more J counts per share of labels not accounted for: by half when one label in ten is."""
+
+    def ceiling(self, j: float, doubt: float) -> float:
         """See ``ClimbingRule``."""
-        return j * (1 + self.tolerance) + 1
+        return self._weighed(j, doubt) * (1 + self.tolerance) + 1
 
     def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
         """See ``ClimbingRule``."""
-        best = min(scored, key=lambda s: s.score.total)
-        rivals = [s for s in scored if s.score.total <= self.ceiling(best.score.total)]
+        weighed = {s.predicate: self._weighed(s.score.total, learner.doubt(s.predicate)) for s in scored}
+        best = min(scored, key=lambda s: weighed[s.predicate])
+        highest = self.ceiling(best.score.total, learner.doubt(best.predicate))
+        rivals = [s for s in scored if weighed[s.predicate] <= highest]
         return best_explained(learner, [s for s in rivals if s.score.charges <= best.score.charges + BACKTRACK / 2])
+
+    def _weighed(self, j: float, doubt: float) -> float:
+        return j * (1 + self.scepticism * doubt)
 
     def worthwhile(self, before: Score, after: Score) -> bool:
         """See ``ClimbingRule``."""
@@ -136,4 +145,4 @@ class Explained:
 
     def as_good(self, fewer: Score, reached: Score) -> bool:
         """See ``ClimbingRule``."""
-        return fewer.total <= self.ceiling(reached.total) and fewer.charges <= reached.charges + BACKTRACK / 2
+        return fewer.total <= self.ceiling(reached.total, 0.0) and fewer.charges <= reached.charges + BACKTRACK / 2

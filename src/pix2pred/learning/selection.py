@@ -158,7 +158,7 @@ class HillClimbing:
             while queue and queue[0][0] <= bound and len(batch) < BATCH:
                 _, i, position = heapq.heappop(queue)
                 if position == len(order):
-                    bound = min(bound, self._rule.ceiling(sums[i].total))
+                    bound = min(bound, self._rule.ceiling(sums[i].total, self._learner.doubt(candidates[i])))
                 else:
                     batch.append((i, position))
             if not batch:
