@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import random
@@ -19,7 +20,9 @@ import pytest
 from cli.hostile_lamps import write_lamps
 from command_line import Cli
 from pix2pred.learning.traces import load_traces
-from vlm.fault_server import FaultServer
+from pix2pred.structs import Image
+from pix2pred.structs.views import HEADING_HEIGHT
+from vlm.fault_server import FaultServer, pictures
 
 KILLS = int(os.environ.get("PIX2PRED_KILLS", "2"))
 KEY = "sk-planted-0123456789abcdefghij"
@@ -171,6 +174,29 @@ def test_a_dry_run_asks_nothing_and_counts_what_is_asked_later(
     asked = sum(2 * d.values.shape[0] - 1 for d in labels)
     assert dry["atoms"] == asked * len({a for d in labels for a in d.atoms if a.predicate.name != "Done"})
     assert cli(*options, "--dry-run", "--json").json["input_tokens"] == 0
+
+
+def test_the_size_of_pictures_is_chosen_counted_sent_and_part_of_the_question(
+    cli: Cli, lamps: Path, server: FaultServer, quick: Path, tmp_path: Path
+) -> None:
+    options = ("learn", lamps, "--vlm", model(server), "--config", quick, "--answers", tmp_path / "answers")
+    small, large = (
+        cli(*options, "--out", tmp_path / "r", "--dry-run", "--longest-side", side, "--json").json
+        for side in (128, 1024)
+    )
+    assert small["pictures"] == large["pictures"] and small["input_tokens"] < large["input_tokens"]
+    for side in (128, 200):
+        assert cli(*options, "--out", tmp_path / f"run{side}", "--longest-side", side).code == 0
+        sizes = {shown_size(url) for body in server.bodies[-24:] for url in pictures(json.loads(body))}
+        assert {max(width, height - HEADING_HEIGHT) for width, height in sizes} == {side}
+    assert len(server.bodies) == 48, "another size is another question"
+    assert cli(*options, "--out", tmp_path / "again", "--longest-side", 200).code == 0
+    assert len(server.bodies) == 48
+    assert cli(*options, "--out", tmp_path / "tiny", "--longest-side", 3).code == 2
+
+
+def shown_size(url: str) -> tuple[int, int]:
+    return Image(base64.b64decode(url.partition(",")[2])).size
 
 
 def test_votes_are_stored_as_confidence(

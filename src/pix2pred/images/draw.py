@@ -12,12 +12,9 @@ from PIL import Image as PILImage
 from PIL import ImageDraw, ImageFont
 
 from pix2pred.structs import Box, Image, Pixels
-from pix2pred.structs.views import View, scale_to
+from pix2pred.structs.views import FOOT_HEIGHT, HEADING_HEIGHT, View, scale_to
 
 FONT_SIZE = 13
-HEADING_HEIGHT = 26
-FOOT_HEIGHT = 20
-"""Room below the picture for the names of objects at its lower edge."""
 
 _LABEL_TEXT = (255, 236, 120, 255)
 _LABEL_BACK = (0, 0, 0, 200)
