@@ -18,6 +18,8 @@ FONT_SIZE = 13
 
 _LABEL_TEXT = (255, 236, 120, 255)
 _LABEL_BACK = (0, 0, 0, 200)
+_OWN_OBJECT = 2000
+"""What hiding an object by its own name weighs, as pixels of other objects: held things are small."""
 
 Decode = Callable[[Image], Pixels]
 """The pixels of a picture."""
@@ -106,13 +108,17 @@ def _write(image: PILImage.Image, label: PILImage.Image, spot: Box) -> None:
 
 
 def _best(spots: Sequence[Box], placed: Sequence[Box], others: Sequence[Box], box: Box) -> Box:
-    """The first of the spots that overlap the names placed before least and, of these, the objects of others least."""
+    """The first of the spots that overlap the names placed before least and, of these, hide least.
+
+    What a name may hide, in pixels: other objects, and its own, which counts more the larger the share of it is.
+    """
     names = [sum(_overlap(s, p) for p in placed) for s in spots]
     free = [s for s, covered in zip(spots, names, strict=True) if covered == min(names)]
     best, least = free[0], math.inf
     for spot in free:
         own = _distance(spot, box)
         covered = sum(_overlap(spot, o) + 200 * (_distance(spot, o) < own) for o in others)
+        covered += _OWN_OBJECT * _overlap(spot, box) / max(1.0, box.width * box.height)
         if covered < least:
             best, least = spot, covered
         if covered == 0:
