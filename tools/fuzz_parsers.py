@@ -18,6 +18,7 @@ import math
 import random
 import sys
 import time
+from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -113,7 +114,8 @@ def check_labels(text: str) -> None:
     raw = kept(text) if parsed.values else []
     for atom, value in parsed.values.items():
         word, place = WORDS[value], parsed.places[atom]
-        said = "".join(text[i] for i in raw if place <= i < place + 4 * len(word))[: len(word)]
+        begin = bisect_left(raw, place)
+        said = "".join(text[i] for i in raw[begin : begin + len(word)])
         assert said.lower() == word, f"{atom}: {word} is not where it was said to be"
 
 

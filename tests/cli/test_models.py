@@ -272,13 +272,19 @@ def test_a_key_appears_nowhere(
         run = tmp_path / "run"
         ran = cli("learn", lamps, "--vlm", model(server), "--config", quick, "--out", run)
         said = ran.out + ran.err
-        looked = cli("doctor", "--vlm", model(server))
-        said += looked.out + looked.err
+        for options in ((), ("--json",)):
+            looked = cli("doctor", "--vlm", model(server), *options)
+            said += looked.out + looked.err
         if fault == "none":
             assert ran.code == 0 and any(
                 KEY in h.get("authorization", h.get("Authorization", "")) for h in server.headers
             )
+            assert (run / "report.html").stat().st_size > 10_000, "searched below, like every file"
             said += cli("answers", "list", run).out
+            key = cli("answers", "list", run, "--json").json["answers"][0]["key"]
+            said += cli("answers", "show", run, key).out
+            assert cli("answers", "export", run, "--out", tmp_path / "shared.zip").code == 0
+            subprocess.run([sys.executable, "-m", "zipfile", "-e", tmp_path / "shared.zip", tmp_path / "s"], check=True)
             assert "key for openai-compatible" in said and "is set" in said
     for part in (KEY, KEY[:12], KEY[-8:]):
         assert part not in said
@@ -291,7 +297,12 @@ def test_a_key_appears_nowhere(
         assert str(tmp_path) not in content and port not in content and "authorization" not in content.lower()
 
 
-def test_tracebacks_of_a_failing_request_do_not_hold_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("rates", [{}, {"500": 1.0}, {"half json": 1.0}, {"cut before": 1.0}, {"late": 1.0}], ids=str)
+def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
+    rates: dict[str, float], monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Not even with every library below logging all it can."""
+    import logging
     import traceback
 
     from pix2pred.images import ShownPictures
@@ -300,14 +311,19 @@ def test_tracebacks_of_a_failing_request_do_not_hold_the_key(monkeypatch: pytest
     from pix2pred.vlm.model_names import hosted_model
 
     monkeypatch.setenv("PIX2PRED_API_KEY", KEY)
-    with FaultServer({"500": 1.0}).running() as server:
-        vlm = HostedVLM(hosted_model(model(server)), ShownPictures(), 5.0)
-        with pytest.raises(VLMError) as caught:
+    caplog.set_level(logging.DEBUG)
+    with FaultServer(rates).running() as server:
+        vlm = HostedVLM(hosted_model(model(server)), ShownPictures(), 0.8)
+        if not rates:
             vlm.answer(Request("label", ("x",), 10))
-    error = caught.value
-    assert error.__cause__ is None and error.__suppress_context__
-    told = "".join(traceback.TracebackException.from_exception(error, capture_locals=False).format())
-    assert KEY not in told and KEY not in repr(vars(error))
+        else:
+            with pytest.raises(VLMError) as caught:
+                vlm.answer(Request("label", ("x",), 10))
+            error = caught.value
+            assert error.__cause__ is None and error.__suppress_context__
+            told = "".join(traceback.TracebackException.from_exception(error, capture_locals=False).format())
+            assert KEY not in told and KEY not in repr(vars(error))
+    assert caplog.records and all(KEY not in record.getMessage() + repr(record.args) for record in caplog.records)
 
 
 def test_two_processes_on_one_store_ask_each_question_once_more_at_most(
