@@ -13,19 +13,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
 import tempfile
 import time
 from collections.abc import Sequence
-from multiprocessing.synchronize import Event
 from pathlib import Path
 
 from pix2pred.predicates import Labeller, LabelSettings, ProposalSettings, label_demos, lift, propose
 from pix2pred.registry import load_domain, load_stored, load_vlm
 from pix2pred.structs import Demo, State
 from pix2pred.vlm import AnswerStore, FlowSettings, Request
-from vlm_overhead import FaultServer, photo
-from vlm_overhead import demo as small_demo
+from predicates.scripted import demo
+from vlm_overhead import photo, with_server
 
 
 def rendered() -> list[Demo]:
@@ -37,17 +35,10 @@ def photos(skills: int = 4) -> list[Demo]:
     """12 short demonstrations of pictures with the noise of a camera."""
     demos = []
     for d in range(12):
-        one = small_demo(actions=skills, name=f"demo-{d}")
+        one = demo(actions=skills, name=f"demo-{d}")
         states = tuple(State((photo(100 * d + t),)) for t in range(skills + 1))
         demos.append(Demo(one.name, one.objects, states, one.actions, one.goal))
     return demos
-
-
-def serve(seconds: float, places: int, started: Event, address: multiprocessing.Array) -> None:  # type: ignore[valid-type]
-    with FaultServer(seconds=seconds, places=places).running() as server:
-        address.value = server.url.encode()  # type: ignore[attr-defined]
-        started.set()
-        time.sleep(3600)
 
 
 def measure(url: str, demos: Sequence[Demo], seconds: float, places: int) -> dict[str, float]:
@@ -78,16 +69,9 @@ def main() -> None:
     parser.add_argument("--places", type=int, default=16, help="answers at once")
     options = parser.parse_args()
     demos = rendered() if options.pictures == "rendered" else photos()
-    started, address = multiprocessing.Event(), multiprocessing.Array("c", 100)
-    server = multiprocessing.Process(
-        target=serve, args=(options.seconds, options.places, started, address), daemon=True
+    figures = with_server(
+        lambda url: measure(url, demos, options.seconds, options.places), options.seconds, options.places
     )
-    server.start()
-    started.wait()
-    try:
-        figures = measure(address.value.decode(), demos, options.seconds, options.places)  # type: ignore[attr-defined]
-    finally:
-        server.terminate()
     print(json.dumps(figures, indent=1))
 
 
