@@ -13,10 +13,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from pix2pred.predicates import Labeller, LabelSettings, ProposalSettings, label_demos, lift, propose
 from pix2pred.registry import load_domain, load_stored, load_vlm
