@@ -5,7 +5,11 @@ from __future__ import annotations
 import os
 from importlib.util import find_spec
 
+import hypothesis
 import pytest
+
+hypothesis.settings.register_profile("behaviour, never time", deadline=None)
+hypothesis.settings.load_profile("behaviour, never time")
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -75,7 +75,8 @@ def test_an_unknown_skill_a_missing_bracket_or_too_few_numbers_end_the_plan(line
     ["Pick(robot, cup)[]", "Pick(robot:robot; cup:item)[]", "Pick(robot:robot, spoon:item)[]",
      "Pick(robot:robot, cup:spoon)[]", "Fry(robot:robot, cup:item)[]", "Pick(robot:robot)[]",
      "Pick(robot:robot, cup:item, cup:item)[]", "Pick()[]", "Push(robot:robot, cup:item)[left, 1]",
-     "Push(robot:robot, cup:item)[1,]", "Pick(robot:robot, cup:item[]"],
+     "Push(robot:robot, cup:item)[1,]", "Push(robot:robot, cup:item)[nan, 1]", "Push(robot:robot, cup:item)[1, 1e999]",
+     "Pick(robot:robot, cup:item[]"],
 )  # fmt: skip
 def test_a_line_that_is_wrong_in_itself_is_dropped_and_reading_goes_on(line: str) -> None:
     plan = read(line, GOOD)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import random
@@ -19,7 +20,9 @@ import pytest
 from cli.hostile_lamps import write_lamps
 from command_line import Cli
 from pix2pred.learning.traces import load_traces
-from vlm.fault_server import FaultServer
+from pix2pred.structs import Image
+from pix2pred.structs.views import HEADING_HEIGHT
+from vlm.fault_server import FaultServer, pictures
 
 KILLS = int(os.environ.get("PIX2PRED_KILLS", "2"))
 KEY = "sk-planted-0123456789abcdefghij"
@@ -173,6 +176,29 @@ def test_a_dry_run_asks_nothing_and_counts_what_is_asked_later(
     assert cli(*options, "--dry-run", "--json").json["input_tokens"] == 0
 
 
+def test_the_size_of_pictures_is_chosen_counted_sent_and_part_of_the_question(
+    cli: Cli, lamps: Path, server: FaultServer, quick: Path, tmp_path: Path
+) -> None:
+    options = ("learn", lamps, "--vlm", model(server), "--config", quick, "--answers", tmp_path / "answers")
+    small, large = (
+        cli(*options, "--out", tmp_path / "r", "--dry-run", "--longest-side", side, "--json").json
+        for side in (128, 1024)
+    )
+    assert small["pictures"] == large["pictures"] and small["input_tokens"] < large["input_tokens"]
+    for side in (128, 200):
+        assert cli(*options, "--out", tmp_path / f"run{side}", "--longest-side", side).code == 0
+        sizes = {shown_size(url) for body in server.bodies[-24:] for url in pictures(json.loads(body))}
+        assert {max(width, height - HEADING_HEIGHT) for width, height in sizes} == {side}
+    assert len(server.bodies) == 48, "another size is another question"
+    assert cli(*options, "--out", tmp_path / "again", "--longest-side", 200).code == 0
+    assert len(server.bodies) == 48
+    assert cli(*options, "--out", tmp_path / "tiny", "--longest-side", 3).code == 2
+
+
+def shown_size(url: str) -> tuple[int, int]:
+    return Image(base64.b64decode(url.partition(",")[2])).size
+
+
 def test_votes_are_stored_as_confidence(
     cli: Cli, lamps: Path, server: FaultServer, quick: Path, tmp_path: Path
 ) -> None:
@@ -246,13 +272,19 @@ def test_a_key_appears_nowhere(
         run = tmp_path / "run"
         ran = cli("learn", lamps, "--vlm", model(server), "--config", quick, "--out", run)
         said = ran.out + ran.err
-        looked = cli("doctor", "--vlm", model(server))
-        said += looked.out + looked.err
+        for options in ((), ("--json",)):
+            looked = cli("doctor", "--vlm", model(server), *options)
+            said += looked.out + looked.err
         if fault == "none":
             assert ran.code == 0 and any(
                 KEY in h.get("authorization", h.get("Authorization", "")) for h in server.headers
             )
+            assert (run / "report.html").stat().st_size > 10_000, "searched below, like every file"
             said += cli("answers", "list", run).out
+            key = cli("answers", "list", run, "--json").json["answers"][0]["key"]
+            said += cli("answers", "show", run, key).out
+            assert cli("answers", "export", run, "--out", tmp_path / "shared.zip").code == 0
+            subprocess.run([sys.executable, "-m", "zipfile", "-e", tmp_path / "shared.zip", tmp_path / "s"], check=True)
             assert "key for openai-compatible" in said and "is set" in said
     for part in (KEY, KEY[:12], KEY[-8:]):
         assert part not in said
@@ -265,7 +297,12 @@ def test_a_key_appears_nowhere(
         assert str(tmp_path) not in content and port not in content and "authorization" not in content.lower()
 
 
-def test_tracebacks_of_a_failing_request_do_not_hold_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("rates", [{}, {"500": 1.0}, {"half json": 1.0}, {"cut before": 1.0}, {"late": 1.0}], ids=str)
+def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
+    rates: dict[str, float], monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Not even with every library below logging all it can."""
+    import logging
     import traceback
 
     from pix2pred.images import ShownPictures
@@ -274,14 +311,19 @@ def test_tracebacks_of_a_failing_request_do_not_hold_the_key(monkeypatch: pytest
     from pix2pred.vlm.model_names import hosted_model
 
     monkeypatch.setenv("PIX2PRED_API_KEY", KEY)
-    with FaultServer({"500": 1.0}).running() as server:
-        vlm = HostedVLM(hosted_model(model(server)), ShownPictures(), 5.0)
-        with pytest.raises(VLMError) as caught:
+    caplog.set_level(logging.DEBUG)
+    with FaultServer(rates).running() as server:
+        vlm = HostedVLM(hosted_model(model(server)), ShownPictures(), 0.8)
+        if not rates:
             vlm.answer(Request("label", ("x",), 10))
-    error = caught.value
-    assert error.__cause__ is None and error.__suppress_context__
-    told = "".join(traceback.TracebackException.from_exception(error, capture_locals=False).format())
-    assert KEY not in told and KEY not in repr(vars(error))
+        else:
+            with pytest.raises(VLMError) as caught:
+                vlm.answer(Request("label", ("x",), 10))
+            error = caught.value
+            assert error.__cause__ is None and error.__suppress_context__
+            told = "".join(traceback.TracebackException.from_exception(error, capture_locals=False).format())
+            assert KEY not in told and KEY not in repr(vars(error))
+    assert caplog.records and all(KEY not in record.getMessage() + repr(record.args) for record in caplog.records)
 
 
 def test_two_processes_on_one_store_ask_each_question_once_more_at_most(

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 import PIL.Image
-import PIL.ImageDraw
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import pix2pred.images.draw
+import pix2pred.images.shown
 from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
 from pix2pred.images import ShownPictures, draw_view, encode_png, skill_crop
 from pix2pred.images.draw import FOOT_HEIGHT, HEADING_HEIGHT
-from pix2pred.images.png import fast_png
-from pix2pred.structs import Box, Image, Picture, State
+from pix2pred.images.png import pack, png_file
+from pix2pred.structs import Box, Image, Picture, Pixels, State
 from pix2pred.structs.views import View
 
 GREY = np.full((200, 300, 3), 128, np.uint8)
@@ -58,6 +60,10 @@ def test_the_longer_side_is_as_asked(
     assert draw_view(view).shape == (*shape, 3)
     with_heading = draw_view(replace(view, heading="state 0"))
     assert with_heading.shape == (shape[0] + HEADING_HEIGHT, shape[1], 3)
+    assert (view.shown_size, replace(view, heading="state 0").shown_size) == (
+        draw_view(view).shape[1::-1],
+        with_heading.shape[1::-1],
+    )
 
 
 def test_without_marks_and_heading_the_picture_is_unchanged() -> None:
@@ -82,6 +88,7 @@ def test_marks_are_drawn_beside_their_boxes_only() -> None:
         near[int(box.top) - 30 : int(box.bottom) + 30, int(x) - 60 : int(x) + 60] = True
         assert changed[int(box.top) - 30 : int(box.bottom) + 30, int(x) - 60 : int(x) + 60].any()
     assert not (changed & ~near).any()
+    assert MARKED.shown_size == draw_view(MARKED).shape[1::-1]
 
 
 def test_names_decide_what_is_written() -> None:
@@ -123,14 +130,14 @@ def test_any_boxes_names_and_headings_can_be_drawn(boxes: dict[str, Box], headin
 def labels(view: View, monkeypatch: pytest.MonkeyPatch) -> list[Box]:
     """Where labels are drawn."""
     spots: list[Box] = []
-    original = PIL.ImageDraw.ImageDraw.rounded_rectangle
+    original = pix2pred.images.draw._write
 
-    def record(self: PIL.ImageDraw.ImageDraw, xy: tuple[float, ...], *args: object, **kwargs: object) -> None:
-        spots.append(Box(*xy))
-        original(self, xy, *args, **kwargs)  # type: ignore[arg-type]
+    def record(image: PIL.Image.Image, label: PIL.Image.Image, spot: Box) -> None:
+        spots.append(spot)
+        original(image, label, spot)
 
     with monkeypatch.context() as patched:
-        patched.setattr(PIL.ImageDraw.ImageDraw, "rounded_rectangle", record)
+        patched.setattr(pix2pred.images.draw, "_write", record)
         draw_view(view)
     return spots
 
@@ -176,17 +183,47 @@ def test_a_crop_around_a_point_can_be_drawn() -> None:
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (30, 41)])
-def test_fast_png_files_hold_the_same_pixels(size: tuple[int, int]) -> None:
+@pytest.mark.parametrize("cut", [0, 1, 8])
+def test_packed_strips_make_up_the_picture(size: tuple[int, int], cut: int) -> None:
     pixels = np.random.default_rng(0).integers(0, 256, (*size, 3), dtype=np.uint8)
-    assert np.array_equal(Image(fast_png(pixels)).pixels(), pixels)
+    strips = [pack(part) for part in (pixels[:cut], pixels[cut:]) if len(part)]
+    assert np.array_equal(Image(png_file(strips)).pixels(), pixels)
 
 
-def test_shown_pictures_are_drawn_views(monkeypatch: pytest.MonkeyPatch) -> None:
-    pixels = np.random.default_rng(1).integers(0, 256, (20, 30, 3), dtype=np.uint8)
-    views = [View(Picture("main", Image.from_pixels(pixels)), t, heading=f"state {t}") for t in range(70)]
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(1, 9), st.integers(0, 200))
+def test_the_checksum_of_joined_strips_is_that_of_their_rows(heights: list[int], width: int, grey: int) -> None:
+    strips = [pack(np.full((height, width, 3), grey + height, dtype=np.uint8)) for height in heights]
+    file = png_file(strips)
+    packed = file[file.index(b"IDAT") + 4 : file.index(b"IEND") - 8]
+    assert len(zlib.decompress(packed)) == sum(strip.length for strip in strips), "zlib checks the sum"
+
+
+def test_shown_pictures_are_drawn_views_and_costly_work_is_done_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    decoded: list[str] = []
+    drawn: list[View] = []
+    pixels_of, draw = Image.pixels, pix2pred.images.shown.draw_scene
+
+    def pixels(image: Image) -> Pixels:
+        decoded.append(image.digest)
+        return pixels_of(image)
+
+    def scene(view: View, decode: object) -> Pixels:
+        drawn.append(view)
+        return draw(view, decode)  # type: ignore[arg-type]
+
+    random = np.random.default_rng(2)
+    pictures = [
+        Picture("main", Image.from_pixels(random.integers(0, 256, (20, 30, 3), dtype=np.uint8))) for _ in range(3)
+    ]
+    views = [View(p, t, crop, heading=f"{t}") for p in pictures for t in range(2) for crop in (None, Box(1, 1, 9, 9))]
+    wanted = [draw_view(view) for view in views]
+    monkeypatch.setattr(Image, "pixels", pixels)
+    monkeypatch.setattr(pix2pred.images.shown, "draw_scene", scene)
     shown = ShownPictures()
-    for view in views:
-        assert np.array_equal(Image(shown(view)).pixels(), draw_view(view))
-    monkeypatch.setattr("pix2pred.images.shown.draw_view", lambda view: pixels)
-    assert np.array_equal(Image(shown(views[69])).pixels(), draw_view(views[69])), "the latest are remembered"
-    assert np.array_equal(Image(shown(views[0])).pixels(), pixels), "the first were forgotten"
+    files = [shown(view) for view in [*views, *views]]
+    assert (len(decoded), len(drawn)) == (3, 6), "headings alone make no other scene"
+    assert all(np.array_equal(pixels_of(Image(f)), w) for f, w in zip(files, wanted + wanted, strict=True))
+    small = ShownPictures(packed_bytes=1, decoded_bytes=20 * 30 * 3)
+    for number in (0, 1, 4, 0):
+        small(views[number])
+    assert decoded[3:] == [pictures[i].image.digest for i in (0, 1, 0)], "the one used longest ago made room"

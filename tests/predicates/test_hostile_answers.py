@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import random
-
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -11,21 +10,23 @@ import fuzz_parsers
 from pix2pred.predicates.parse_labels import parse_labels
 
 
-@settings(max_examples=300, deadline=None)
-@given(st.integers(0, 2**32))
-def test_mutated_answers_break_nothing(seed: int) -> None:
-    fuzz_parsers.check(fuzz_parsers.mutated(random.Random(seed)))
+@pytest.mark.parametrize("parser", fuzz_parsers.PARSERS)
+@settings(max_examples=100, deadline=None)
+@given(seed=st.integers(0, 2**32), number=st.integers(0, 10**6))
+def test_mutated_answers_break_nothing(parser: str, seed: int, number: int) -> None:
+    fuzz_parsers.PARSERS[parser].check(fuzz_parsers.text_number(parser, seed, number))
 
 
 @settings(max_examples=200, deadline=None)
 @given(st.text(max_size=200) | st.lists(st.sampled_from(fuzz_parsers.PIECES), max_size=40).map("".join))
 def test_random_texts_break_nothing(text: str) -> None:
-    fuzz_parsers.check(text)
+    for fuzzed in fuzz_parsers.PARSERS.values():
+        fuzzed.check(text)
 
 
 def test_the_check_can_fail() -> None:
-    found = fuzz_parsers.check
-    for seed in fuzz_parsers.SEEDS:
-        found(seed)
-    assert parse_labels(fuzz_parsers.SEEDS[2], fuzz_parsers.QUERY).missing == ()
-    assert len(parse_labels(fuzz_parsers.SEEDS[0], fuzz_parsers.QUERY).values) == 5
+    for fuzzed in fuzz_parsers.PARSERS.values():
+        for seed in fuzzed.seeds:
+            fuzzed.check(seed)
+    assert parse_labels(fuzz_parsers.LABELS[2], fuzz_parsers.QUERY).missing == ()
+    assert len(parse_labels(fuzz_parsers.LABELS[0], fuzz_parsers.QUERY).values) == 5

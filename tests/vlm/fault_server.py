@@ -154,15 +154,15 @@ class FaultServer:
             self.most_at_once = max(self.most_at_once, self._at_once)
         try:
             with self._places:
-                time.sleep(self.seconds)
-                self._answer(handler, raw, random.Random(f"{raw}{seen}"))
+                self._answer(handler, raw, random.Random(f"{raw}{seen}"), time.monotonic() + self.seconds)
         except (BrokenPipeError, ConnectionResetError):
             pass
         finally:
             with self._lock:
                 self._at_once -= 1
 
-    def _answer(self, handler: BaseHTTPRequestHandler, raw: str, rng: random.Random) -> None:
+    def _answer(self, handler: BaseHTTPRequestHandler, raw: str, rng: random.Random, due: float) -> None:
+        body = json.loads(raw)
         fault, draw = "", rng.random()
         for name, rate in self.rates.items():
             if draw < rate:
@@ -172,10 +172,11 @@ class FaultServer:
         with self._lock:
             self.faults[fault] += 1
         if fault in TRANSPORT:
+            _until(due)
             self._fail(handler, fault, raw)
             return
-        is_labelling = "\nPredicates:\n" in text(json.loads(raw))  # what is proposed is the model's own choice
-        answer = lines(json.loads(raw))
+        is_labelling = "\nPredicates:\n" in text(body)  # what is proposed is the model's own choice
+        answer = lines(body)
         message: dict[str, Any] = {"role": "assistant", "content": "\n".join(answer)}
         finish = "stop"
         if fault == "empty":
@@ -193,6 +194,7 @@ class FaultServer:
             "choices": [{"index": 0, "message": message, "finish_reason": finish}],
             "usage": {"prompt_tokens": 100, "completion_tokens": 10, "total_tokens": 110},
         }  # fmt: skip
+        _until(due)
         _send(handler, 200, json.dumps(document).encode())
         with self._lock:
             self.answered[raw] += 1
@@ -221,6 +223,10 @@ class FaultServer:
             _send(handler, 200, b'{"id": "x", "object": "chat.completion", "choices": [{"ind')
         else:
             _send(handler, 200, b"<html>Bad gateway</html>", {"content-type": "text/html"})
+
+
+def _until(due: float) -> None:
+    time.sleep(max(0.0, due - time.monotonic()))
 
 
 def _send(handler: BaseHTTPRequestHandler, status: int, body: bytes, headers: Mapping[str, str] | None = None) -> None:

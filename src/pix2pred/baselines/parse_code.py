@@ -11,7 +11,7 @@ from pix2pred.structs import Type
 _BLOCK = re.compile(r"^```[a-zA-Z]*[ \t]*\n(.*?)^```", re.DOTALL | re.MULTILINE)
 _PREDICATE = re.compile(
     r"^(?P<variable>[A-Za-z]\w*)[ \t]*=[ \t]*Predicate\(\s*(?:name\s*=\s*)?[\"'](?P<name>[A-Za-z]\w*)[\"']\s*,"
-    r"\s*(?:types\s*=\s*)?[\[(](?P<types>[^\[\]()]*)[\])]\s*,\s*(?:classifier\s*=\s*)?(?P<function>[A-Za-z]\w*)\s*,?\s*\)"
+    r"\s*(?:types\s*=\s*)?[\[(](?P<types>[^\[\]()]*)[\])]\s*,\s*(?:classifier\s*=\s*)?(?P<function>[A-Za-z]\w*)\s*(?:,\s*)?\)"
     r"[ \t]*(?:#.*)?$",
     re.MULTILINE,
 )

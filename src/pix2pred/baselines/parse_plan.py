@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -103,6 +104,8 @@ class _Reader:
             numbers = tuple(float(part) for part in parts)
         except ValueError as error:
             raise _DropError(f"{text.strip()!r} are not numbers") from error
+        if not all(map(math.isfinite, numbers)):
+            raise _DropError(f"{text.strip()!r} are not numbers")
         if len(numbers) != skill.dimension:
             raise _StopError(f"{skill.name} takes {skill.dimension} numbers, found {len(numbers)}")
         return numbers

@@ -76,7 +76,8 @@ class ViLaAgent:
 
     def request(self, task: Task) -> Request:
         """The one query about a task."""
-        marks = self.training.settings.proposal.marks
+        proposal = self.training.settings.proposal
+        marks, size = proposal.marks, proposal.longest_side
         images = _Images(marks)
         vocabulary = self.training.vocabulary
         text = fill(
@@ -92,8 +93,10 @@ class ViLaAgent:
         for d, demo in enumerate(self.shown, start=1):
             parts.append(example_text(d, demo))
             for t, state in enumerate(demo.states):
-                parts += images.of(views(state, t, demo.objects, marks=marks), f"Demonstration {d}, State {t}, ")
-        parts += images.of(views(task.initial, 0, task.objects, marks=marks), "Initial state to plan from, ")
+                shown = views(state, t, demo.objects, marks=marks, longest_side=size)
+                parts += images.of(shown, f"Demonstration {d}, State {t}, ")
+        shown = views(task.initial, 0, task.objects, marks=marks, longest_side=size)
+        parts += images.of(shown, "Initial state to plan from, ")
         return Request("plan", tuple(parts), ANSWER_TOKENS)
 
 

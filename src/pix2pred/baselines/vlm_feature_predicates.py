@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 from pix2pred.approach import ModelAgent, Training
@@ -32,6 +33,7 @@ from pix2pred.structs import (
     Vocabulary,
 )
 from pix2pred.structs.environment import Environment
+from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.vlm import VLM, Request
 
 ANSWER_TOKENS = 8192
@@ -78,12 +80,13 @@ class VLMFeaturePredicates:
     def written_pool(self, training: Training, progress: Progress = silent) -> tuple[CodePool, tuple[Demo, ...]]:
         """What the model writes and what of it works, and the demonstrations with its values."""
         types = {t.name: t for t in training.vocabulary.types}
+        shown = training.settings.proposal
         written: list[CodePredicate] = []
         rejected: list[RejectedBlock] = []
         for i, demo in enumerate(training.demos):
             progress("propose", i, len(training.demos), demo.name)
             answer = training.vlm.answer(
-                code_request(demo, training.vocabulary, marks=training.settings.proposal.marks)
+                code_request(demo, training.vocabulary, marks=shown.marks, longest_side=shown.longest_side)
             )
             found, bad = parse_code(answer.text, types)
             written += found
@@ -150,7 +153,7 @@ def with_values(
     return [replace(s, given=s.given | frozenset(found)) for s, found in zip(states, true, strict=True)]
 
 
-def code_request(demo: Demo, vocabulary: Vocabulary, *, marks: bool) -> Request:
+def code_request(demo: Demo, vocabulary: Vocabulary, *, marks: bool, longest_side: int = LONGEST_SIDE) -> Request:
     """The query about one demonstration."""
     holders = [t for t in vocabulary.types if t.features]
     features = "\n".join(f"{t.name}: {', '.join(t.features)}" for t in holders)
@@ -162,7 +165,8 @@ def code_request(demo: Demo, vocabulary: Vocabulary, *, marks: bool) -> Request:
         objects=object_lines(demo.objects),
         trajectory="\n".join(_trajectory(demo)),
     )
-    pictures = [v for t, s in enumerate(demo.states) for v in views(s, t, demo.objects, marks=marks)]
+    shown = (views(s, t, demo.objects, marks=marks, longest_side=longest_side) for t, s in enumerate(demo.states))
+    pictures = list(chain.from_iterable(shown))
     cameras = [p.camera for p in demo.states[0].pictures][:1]
     return Request("code", (text, *(v for v in pictures if v.picture.camera in cameras)), ANSWER_TOKENS)
 

@@ -40,6 +40,9 @@ def learn(
     ] = StoreMode.RESUME,
     votes: Annotated[int | None, Parameter(help="Samples per labelling query; the majority decides.")] = None,
     concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=POSITIVE)] = None,
+    longest_side: Annotated[
+        int | None, Parameter(help="Pixels of the longer side of the pictures a model is shown [default: 512].")
+    ] = None,
     max_requests: Annotated[int | None, Parameter(help="Most requests to send.", validator=NOT_NEGATIVE)] = None,
     max_cost: Annotated[float | None, Parameter(help="Stop before spending more US dollars than this.")] = None,
     dry_run: Annotated[bool, Parameter(help="Print what would be asked and what it may cost; ask nothing.")] = False,
@@ -65,7 +68,7 @@ def learn(
     if any(out.resolve().is_relative_to((data / part).resolve()) for part in ("demos", "tasks")):
         raise RegistryError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
     project = read_project(data)
-    settings = resolve_settings(project, config, votes, concurrent)
+    settings = resolve_settings(project, config, votes, concurrent, longest_side)
     if dry_run:
         return print_estimate(project, settings, vlm, AnswerStore(answers or out), as_json=json)
     metrics = run_learning(project, settings, vlm, out, answers, mode, Limits(max_requests, max_cost), quiet=json)
@@ -141,7 +144,11 @@ def print_estimate(project: Project, settings: Settings, vlm: str, store: Answer
 
 
 def resolve_settings(
-    project: Project, config: Path | None, votes: int | None = None, concurrent: int | None = None
+    project: Project,
+    config: Path | None,
+    votes: int | None = None,
+    concurrent: int | None = None,
+    longest_side: int | None = None,
 ) -> Settings:
     """Defaults, overridden by the project's ``learning`` section, by ``config``, and by options."""
     given: dict[str, Any] = {"learning": dict(project.learning)}
@@ -155,7 +162,12 @@ def resolve_settings(
         for section, values in loaded.items():
             merge = isinstance(values, dict) and isinstance(given.get(section), dict)
             given[section] = {**given[section], **values} if merge else values
-    for section, name, value in (("labels", "votes", votes), ("flow", "concurrent", concurrent)):
+    for section, name, value in (
+        ("labels", "votes", votes),
+        ("flow", "concurrent", concurrent),
+        ("labels", "longest_side", longest_side),
+        ("proposal", "longest_side", longest_side),
+    ):
         if value is not None:
             given[section] = {**(given.get(section) or {}), name: value}
     try:

@@ -1,35 +1,66 @@
-"""Views as PNG files, kept for a while: the double check shows the same pictures again."""
+"""Views as PNG files. What is costly about them is kept for a while, since pictures are shown several times.
+
+A state is shown whole and cropped, after one skill and before the next, and again for the double check.
+"""
 
 from __future__ import annotations
 
 import json
 import threading
 from collections import OrderedDict
+from collections.abc import Callable
+from typing import Generic, TypeVar
 
-from pix2pred.images.draw import draw_view
-from pix2pred.images.png import fast_png
+from pix2pred.images.draw import draw_heading, draw_scene
+from pix2pred.images.png import Strip, pack, png_file
+from pix2pred.structs import Image, Pixels
 from pix2pred.structs.views import View
 
-_KEPT = 64
+_PACKED_BYTES = 64_000_000
+_DECODED_BYTES = 96_000_000
+
+Kept = TypeVar("Kept")
 
 
 class ShownPictures:
-    """Draws and encodes views, losslessly; the latest ``_KEPT`` stay in memory. May be called from several threads."""
+    """Draws and encodes views, losslessly. May be called from several threads."""
 
-    def __init__(self) -> None:
-        self._kept: OrderedDict[str, bytes] = OrderedDict()
-        self._lock = threading.Lock()
+    def __init__(self, packed_bytes: int = _PACKED_BYTES, decoded_bytes: int = _DECODED_BYTES) -> None:
+        self._packed = _Latest[Strip](packed_bytes, lambda strip: len(strip.blocks))
+        self._decoded = _Latest[Pixels](decoded_bytes, lambda pixels: pixels.nbytes)
 
     def __call__(self, view: View) -> bytes:
         """The PNG file of the view."""
-        key = json.dumps(view.canonical(), sort_keys=True)
+        shown = {name: value for name, value in view.canonical().items() if name not in ("heading", "state")}
+        scene = self._packed.get(json.dumps(shown, sort_keys=True), lambda: pack(draw_scene(view, decode=self._decode)))
+        return png_file([pack(draw_heading(view.heading, scene.width)), scene] if view.heading else [scene])
+
+    def _decode(self, image: Image) -> Pixels:
+        return self._decoded.get(image.digest, image.pixels)
+
+
+class _Latest(Generic[Kept]):
+    """The values used last, as many as fit into ``most_bytes``."""
+
+    def __init__(self, most_bytes: int, size: Callable[[Kept], int]) -> None:
+        self._most_bytes = most_bytes
+        self._size = size
+        self._values: OrderedDict[str, Kept] = OrderedDict()
+        self._bytes = 0
+        self._lock = threading.Lock()
+
+    def get(self, key: str, make: Callable[[], Kept]) -> Kept:
+        """The value kept under ``key``, or a new one."""
         with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                return self._kept[key]
-        shown = fast_png(draw_view(view))
+            if key in self._values:
+                self._values.move_to_end(key)
+                return self._values[key]
+        value = make()
         with self._lock:
-            self._kept[key] = shown
-            while len(self._kept) > _KEPT:
-                self._kept.popitem(last=False)
-        return shown
+            if key not in self._values:
+                self._values[key] = value
+                self._bytes += self._size(value)
+            while self._bytes > self._most_bytes:
+                _, oldest = self._values.popitem(last=False)
+                self._bytes -= self._size(oldest)
+        return value

@@ -79,7 +79,7 @@ class Labeller:
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         """Labels of a state without history (method 3.3); ``atoms`` in any order."""
         template = "label_first" if self.settings.style == "cot" else "label_first_terse"
-        pictures = views(state, 0, objects, marks=self.settings.marks)
+        pictures = self._views(state, 0, objects)
 
         def question(batch: Sequence[Atom]) -> tuple[Part, ...]:
             return (fill(template, objects=object_lines(objects), atoms=_listed(batch)), *pictures)
@@ -157,10 +157,14 @@ class Labeller:
 
     def _before_and_after(self, step: Step, objects: Sequence[Object]) -> tuple[View, ...]:
         full = (
-            *views(step.before, step.t - 1, objects, marks=self.settings.marks, label="before"),
-            *views(step.after, step.t, objects, marks=self.settings.marks, label="after"),
+            *self._views(step.before, step.t - 1, objects, "before"),
+            *self._views(step.after, step.t, objects, "after"),
         )
         return (*full, *self._crops(step.before, step.after, step.action, full)) if self.settings.crops else full
+
+    def _views(self, state: State, t: int, objects: Sequence[Object], label: str = "") -> tuple[View, ...]:
+        settings = self.settings
+        return views(state, t, objects, marks=settings.marks, longest_side=settings.longest_side, label=label)
 
     def _crops(self, before: State, after: State, action: Action, full: Sequence[View]) -> list[View]:
         names = [o.name for o in action.objects]
@@ -170,7 +174,7 @@ class Labeller:
             for view in full:
                 if box and view.picture.camera == picture.camera:
                     heading = f"{view.heading}, around the skill"
-                    cropped.append(View(view.picture, view.state, box, view.marks, heading))
+                    cropped.append(replace(view, crop=box, heading=heading))
         return cropped
 
 

@@ -6,6 +6,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pix2pred.structs.views import LONGEST_SIDE
+
 
 class LabelSettings(BaseModel):
     """How states are labelled."""
@@ -16,6 +18,7 @@ class LabelSettings(BaseModel):
     double_check: bool = Field(True, description="second query after t = 0, in training only")
     crops: bool = Field(True, description="also show the part of the scene the skill was about, before and after")
     marks: bool = Field(True, description="write object names into the pictures (simulation: yes, photos: no)")
+    longest_side: int = Field(LONGEST_SIDE, ge=64, le=4096, description="pixels, of a shown picture (paper: 512)")
     missing: Literal["carry_previous", "false"] = Field(
         "carry_previous", description="value of an atom that no answer gives one after t = 0 (at t = 0: false)"
     )

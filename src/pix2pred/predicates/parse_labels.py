@@ -72,7 +72,7 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
             (leading if statement.leads else inside)[atom] = value, statement.word_start
     found = inside | leading
     values = {atom: found[atom][0] for atom in queried if atom in found}
-    raw = kept(answer)
+    raw = kept(answer) if values else []
     places = {atom: raw[found[atom][1]] for atom in values}
     return ParsedLabels(values, tuple(a for a in queried if a not in found), other_words, unasked, places)
 

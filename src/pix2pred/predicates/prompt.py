@@ -8,7 +8,7 @@ from importlib.resources import files
 from string import Template
 
 from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, State
-from pix2pred.structs.views import View
+from pix2pred.structs.views import LONGEST_SIDE, View
 
 
 def fill(prompt: str, room: str = "pix2pred.predicates", /, **values: str) -> str:
@@ -41,13 +41,16 @@ def atom_text(atom: Atom) -> str:
     return f"{phrase}({', '.join(o.prompt_name for o in atom.objects)})"
 
 
-def views(state: State, t: int, objects: Iterable[Object], *, marks: bool, label: str = "") -> tuple[View, ...]:
+def views(
+    state: State, t: int, objects: Iterable[Object], *, marks: bool, longest_side: int = LONGEST_SIDE, label: str = ""
+) -> tuple[View, ...]:
     """All cameras of a state, with headings such as ``state 3, camera main``."""
     names = {o.name: o.prompt_name for o in objects}
     prefix = f"{label}: " if label else ""
+    heading = f"{prefix}state {t}, camera"
     return tuple(
-        View(_renamed(picture, names), t, marks=marks, heading=f"{prefix}state {t}, camera {picture.camera}")
-        for picture in state.pictures
+        View(_renamed(p, names), t, marks=marks, heading=f"{heading} {p.camera}", longest_side=longest_side)
+        for p in state.pictures
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Literal
 
 from joblib import Parallel, delayed
@@ -13,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pix2pred.predicates.parse_atoms import clean, mentions
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
 from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
+from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.vlm import VLM, Finish, NoAnswerError, Request, Review
 
 ANSWER_TOKENS = 8192
@@ -28,6 +30,7 @@ class ProposalSettings(BaseModel):
     max_atoms: int | None = Field(None, ge=1, description="atoms kept per demonstration (Cleanup, Juice: 25)")
     exclude: tuple[str, ...] = Field((), description="words; atoms that mention one are dropped (e.g. hand, gripper)")
     marks: bool = Field(True, description="write object names into the pictures (simulation: yes, photos: no)")
+    longest_side: int = Field(LONGEST_SIDE, ge=64, le=4096, description="pixels, of a shown picture (paper: 512)")
     attempts: int = Field(3, ge=1, description="queries per demonstration before giving up on an unusable answer")
 
 
@@ -127,10 +130,11 @@ def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0, b
         actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
         limit=limit,
     )
-    pictures = (v for t, s in enumerate(demo.states) for v in views(s, t, demo.objects, marks=settings.marks))
+    size, marks = settings.longest_side, settings.marks
+    shown = (views(s, t, demo.objects, marks=marks, longest_side=size) for t, s in enumerate(demo.states))
     return Request(
         "propose",
-        (text, *pictures),
+        (text, *chain.from_iterable(shown)),
         budget,
         attempt=attempt,
         about=demo.name,

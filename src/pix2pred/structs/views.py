@@ -13,6 +13,13 @@ LONGEST_SIDE = 512
 """Pixels of the longer side of a shown picture (method 3.9)."""
 
 
+HEADING_HEIGHT = 26
+"""Pixels of the white strip above a picture that holds its heading."""
+
+FOOT_HEIGHT = 20
+"""Pixels of the strip below a picture, for the names of objects at its lower edge."""
+
+
 @dataclass(frozen=True, slots=True)
 class View:
     """A clean picture and how to show it.
@@ -32,6 +39,16 @@ class View:
     def boxes(self) -> Mapping[str, Box]:
         """The boxes of objects, in the picture's pixels, by name in sorted order."""
         return dict(sorted(self.picture.boxes.items()))
+
+    @property
+    def shown_size(self) -> tuple[int, int]:
+        """(width, height) in pixels of what is shown, strips for heading and names included."""
+        width, height = map(float, self.picture.image.size)
+        if self.crop:
+            width, height = self.crop.width, self.crop.height
+        factor = scale_to(width, height, self.longest_side)
+        strips = (HEADING_HEIGHT if self.heading else 0) + (FOOT_HEIGHT if self.marks and self.boxes else 0)
+        return max(1, round(width * factor)), max(1, round(height * factor)) + strips
 
     def canonical(self) -> dict[str, Any]:
         """Everything that decides what is shown, JSON-compatible; equal for equal views on any machine."""

@@ -13,13 +13,12 @@ from itertools import pairwise
 from typing import Any
 
 from pix2pred.vlm.answering import asked_atoms, label_answer, object_types, value_line
+from pix2pred.vlm.picture_tokens import picture_tokens
 from pix2pred.vlm.pricing import dollars
 from pix2pred.vlm.request import Answer, Request, VLMError
 from pix2pred.vlm.stored import StoredVLM
 
 CHARACTERS_PER_TOKEN = 4
-TOKENS_PER_PICTURE = 260
-"""What OpenAI (255) and Google (258) count for a picture of at most 512 pixels; Anthropic counts about 350."""
 ASSUMED_WORDS = 8
 """Predicates assumed per type and argument place where no proposal is stored."""
 _WHY = "It looks as it did before; nothing that happened to it changes this."
@@ -63,7 +62,8 @@ class EstimatingVLM:
             if not answer.stored:
                 count["pictures"] += len(request.views)
                 count["atoms"] += sum(1 for _ in asked_atoms(request.text)) if request.purpose != "propose" else 0
-                count["input"] += len(request.text) // CHARACTERS_PER_TOKEN + TOKENS_PER_PICTURE * len(request.views)
+                seen = sum(picture_tokens(self._provider, *view.shown_size) for view in request.views)
+                count["input"] += len(request.text) // CHARACTERS_PER_TOKEN + seen
                 count["output"] += len(answer.text) // CHARACTERS_PER_TOKEN
         return answer
 

@@ -95,7 +95,9 @@ class HostedVLM:
         from pydantic_ai.messages import BinaryContent, ModelRequest, UserPromptPart
 
         content = [
-            part if isinstance(part, str) else BinaryContent(self._draw(part), media_type="image/png")
+            part
+            if isinstance(part, str)  # without a name of our own, the library would compute one from the bytes
+            else BinaryContent(self._draw(part), media_type="image/png", identifier=part.picture.image.digest[:8])
             for part in request.parts
         ]
         return [ModelRequest(parts=[UserPromptPart(content)])]
