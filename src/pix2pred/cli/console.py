@@ -18,8 +18,8 @@ from pix2pred.structs import Operator
 NOT_NEGATIVE = validators.Number(gte=0)
 POSITIVE = validators.Number(gte=1)
 
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
+out = Console(highlight=False, emoji=False)
+err = Console(stderr=True, highlight=False, emoji=False)
 
 _STAGES = {
     "generate": "Drawing demonstrations",
