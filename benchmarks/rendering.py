@@ -20,18 +20,22 @@ from collections.abc import Callable
 from statistics import median
 from typing import Any
 
-DOMAINS = ("coffee", "kitchen")
 BACKENDS = ("egl", "osmesa")
 
 
-def drawers(domain: str, index: int) -> tuple[Callable[[], Any], Callable[[], Any]]:
-    """Two functions of a scene: draw it with boxes, and draw it alone. Both give the pixels."""
-    if domain == "coffee":
-        from pix2pred.domains.coffee.render import render, render_pixels
-        from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+Drawers = tuple[Callable[[], Any], Callable[[], Any]]
+"""Two functions of a scene: draw it with boxes, and draw it alone. Both give the pixels."""
 
-        world = initial_world(3, scene_generator(0, Split.TASKS, 3, index))
-        return lambda: render(world).image.pixels(), lambda: render_pixels(world)
+
+def coffee(index: int) -> Drawers:
+    from pix2pred.domains.coffee.render import render, render_pixels
+    from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+
+    world = initial_world(3, scene_generator(0, Split.TASKS, 3, index))
+    return lambda: render(world).image.pixels(), lambda: render_pixels(world)
+
+
+def kitchen(index: int) -> Drawers:
     from pix2pred.domains.kitchen.model import kitchen_camera
     from pix2pred.domains.kitchen.render import picture_of, simulation_of
     from pix2pred.domains.kitchen.scenes import RIGHT, Split, start_world
@@ -40,15 +44,18 @@ def drawers(domain: str, index: int) -> tuple[Callable[[], Any], Callable[[], An
     return lambda: picture_of(data).image.pixels(), lambda: kitchen_camera().pixels(data)
 
 
+DOMAINS = {"coffee": coffee, "kitchen": kitchen}
+
+
 def draw(domain: str, frames: int) -> None:
     """What a process of its own does: prints seconds per frame and a digest of all pixels."""
     found: dict[str, Any] = {"with boxes": [], "alone": [], "cpu": []}
     digest = hashlib.sha256()
     begin = time.perf_counter()
-    drawers(domain, 0)[0]()
+    DOMAINS[domain](0)[0]()
     found["first"] = time.perf_counter() - begin
     for index in range(frames):
-        for name, make in zip(("with boxes", "alone"), drawers(domain, index), strict=True):
+        for name, make in zip(("with boxes", "alone"), DOMAINS[domain](index), strict=True):
             begin, busy = time.perf_counter(), time.process_time()
             digest.update(make().tobytes())
             found[name].append(time.perf_counter() - begin)
