@@ -57,11 +57,15 @@ def _objects(directory: Path, project: Project, declared: Declared, tasks: Seque
     said = set()
     for demo in project.demos:
         here = _Lines(directory / DEMOS / demo.name / DEMO, directory, DemoDoc)
+        unused: dict[int | None, list[str]] = {}
         for i, item in enumerate(demo.objects):
             if item not in used and item not in said:
                 said.add(item)
-                message = f"object {item.name} is never mentioned by an action or a goal, here or elsewhere"
-                yield here.problem(("objects", i), message, ("objects", item.name))
+                line = here.line(("objects", i), ("objects", item.name))
+                unused.setdefault(line, []).append(item.name)
+        for line, names in unused.items():
+            what = f"object {names[0]} is" if len(names) == 1 else f"objects {', '.join(names)} are"
+            yield Problem(here.file, line, f"{what} never mentioned by an action or a goal, here or elsewhere")
 
 
 def _demo(directory: Path, demo: Demo) -> Iterator[Problem]:
@@ -93,12 +97,16 @@ class _Lines:
     """The lines of a file that has been read before."""
 
     def __init__(self, file: Path, root: Path, document: type[DomainDoc] | type[DemoDoc]) -> None:
-        self._file = file
+        self.file = file
         loaded = load_document(file, root, document, [])
         self._yaml = loaded[0].yaml if loaded else None
 
-    def problem(self, loc: Loc, message: str, named: Loc = ()) -> Problem:
-        """A warning about the entry at ``loc``, or at ``named`` where entries have names instead of positions."""
+    def line(self, loc: Loc, named: Loc = ()) -> int | None:
+        """The line of ``loc``, or of ``named`` where entries have names instead of positions."""
         if self._yaml is None:
-            return Problem(self._file, None, message)
-        return Problem(self._file, self._yaml.line(named if named in self._yaml.lines and named else loc), message)
+            return None
+        return self._yaml.line(named if named and named in self._yaml.lines else loc)
+
+    def problem(self, loc: Loc, message: str) -> Problem:
+        """A warning about the entry at ``loc``."""
+        return Problem(self.file, self.line(loc), message)

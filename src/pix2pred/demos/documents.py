@@ -209,7 +209,7 @@ def _message(detail: ErrorDetails, document: type[FileDoc]) -> str:
             return f"expected a mapping (key: value), found {shown}"
         case "float_type" | "finite_number":
             return f"expected a finite number, found {shown}"
-        case "too_short" | "too_long":
+        case "too_short" | "too_long" if "pictures" in detail["loc"]:
             return f"expected 4 numbers [left, top, right, bottom], found {shown}"
         case "string_pattern_mismatch":
             return f"{shown} is not a valid name: use letters, digits, '_' and '-', and no spaces"

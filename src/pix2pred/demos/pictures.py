@@ -31,9 +31,11 @@ SMALL_BOX = 5
 BLANK = 2.0
 """Standard deviation, of 255, below which a picture shows nothing."""
 
-GRID = 64
+GRID, AREA = 64, 8
+"""Pictures are compared by the means of at most ``GRID x GRID`` areas, with sides of at least ``AREA`` pixels."""
+
 ALIKE = 3
-"""Pictures whose ``GRID x GRID`` areas all differ by less than this (of 255) are alike."""
+"""Pictures whose areas all differ by less than this (of 255) are alike."""
 
 Thumbnail = NDArray[np.int16]
 
@@ -101,7 +103,8 @@ class Shown:
 
 def thumbnail(pixels: Pixels) -> Thumbnail:
     """The means of a grid of areas: what is left of a picture when its noise has averaged out."""
-    small = PIL.Image.fromarray(pixels).resize((GRID, GRID), PIL.Image.Resampling.BOX)
+    height, width = (min(GRID, max(1, side // AREA)) for side in pixels.shape[:2])
+    small = PIL.Image.fromarray(pixels).resize((width, height), PIL.Image.Resampling.BOX)
     return np.asarray(small, dtype=np.int16)
 
 
@@ -172,7 +175,8 @@ class PictureCheck:
             self.warned.append(Problem(self.sheet.file, self.sheet.yaml.line(loc), message))
 
     def _compare_with_before(self, now: dict[str, Thumbnail], loc: Loc) -> None:
-        changes = [difference(now[c], self._before[c]) for c in now if c in self._before]
+        pairs = [(now[c], self._before[c]) for c in now if c in self._before]
+        changes = [difference(a, b) for a, b in pairs if a.shape == b.shape]
         self._before = now
         if changes and max(changes) < ALIKE:
             message = "the pictures look the same as in the state before: nothing can be seen to change"

@@ -42,7 +42,7 @@ class StepDoc(Document):
 class SegmentDoc(Document):
     """One demonstration: where it begins, and what is done."""
 
-    name: Annotated[str, StringConstraints(pattern=FOLDER_NAME.pattern.replace("\\Z", "$"))] = Field(
+    name: Annotated[str, StringConstraints(pattern=f"^{FOLDER_NAME.pattern[:-2]}$")] = Field(
         description="name of the demonstration, which names its folder"
     )
     source: str | int | None = Field(
