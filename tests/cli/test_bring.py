@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -186,16 +188,12 @@ def test_the_page_shows_commands_that_work(cli: Cli, tmp_path: Path, monkeypatch
     take_photos(Path("photos"))
     for block in re.findall(r"```(\w+) title=(\S+)\n(.*?)```", page, re.DOTALL):
         Path(block[1]).write_text(block[2])
-    from importlib.util import find_spec
-
     if find_spec("av"):
-        write_video(Path("tea.mp4"), 1300)
+        write_video(Path("tea.mp4"), 230)
     if find_spec("av") and find_spec("pyarrow"):
         write_dataset(Path("datasets/pick-cubes"), (60, 80))
     ran = 0
-    for command in re.findall(r"^pix2pred (.*(?:\\\n.*)*)$", page, re.MULTILINE):
-        import shlex
-
+    for command in re.findall(r"^pix2pred ((?:.*\\\n)*.*)$", page, re.MULTILINE):
         words = shlex.split(command.replace("\\\n", " "), comments=True)
         needs = {"video": ["av"], "lerobot": ["av", "pyarrow"]}.get(words[1], []) if words[0] == "import" else []
         if all(find_spec(name) for name in needs):

@@ -157,11 +157,11 @@ def test_links_out_of_the_dataset_are_not_followed(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_no_dataset(tmp_path: Path) -> None:
     for source in (tmp_path / "nothing", tmp_path):
-        with pytest.raises(FolderError, match="info.json"):
+        with pytest.raises(FolderError, match=r"info\.json"):
             brought(source, tmp_path)
 
 
 def test_paths_are_filled_in() -> None:
-    names = {"video_key": "a.b", "chunk_index": 7, "file_index": 12}
+    names: dict[str, str | int] = {"video_key": "a.b", "chunk_index": 7, "file_index": 12}
     assert filled(lerobot_meta.InfoDoc.model_fields["data_path"].default, names) == "data/chunk-007/file-012.parquet"
     assert filled("{video_key}/{chunk_index}", {**names, "video_key": "{file_index}"}) == "{file_index}/7"
