@@ -175,6 +175,13 @@ def test_a_lerobot_dataset_becomes_a_project(cli: Cli, tmp_path: Path) -> None:
     assert not any("one" in file for file, _, _ in problems(cli, tmp_path / "p"))
 
 
+def test_settings_that_learning_would_refuse_are_a_problem(cli: Cli, tmp_path: Path) -> None:
+    cli("init", tmp_path)
+    with (tmp_path / "domain.yaml").open("a") as file:
+        file.write("learning: {foo: 3}\n")
+    assert [m for _, _, m in problems(cli, tmp_path) if "foo" in m]
+
+
 def test_schemas_are_printed_or_written(cli: Cli, tmp_path: Path) -> None:
     assert set(cli("schema").json) == {f"{kind}.schema.json" for kind in ("domain", "demo", "task", "import")}
     assert cli("schema", "--out", tmp_path).code == 0

@@ -19,7 +19,7 @@ from pix2pred.demos import (
     write_schemas,
 )
 from pix2pred.pipeline import ask_everything
-from pix2pred.registry import check_family, load_domain, load_estimator
+from pix2pred.registry import RegistryError, check_family, load_domain, load_estimator
 from pix2pred.vlm import AnswerStore
 from pix2pred.vlm.model_names import FORMS
 
@@ -84,22 +84,38 @@ def check(
     Example: pix2pred check data/stacks --vlm openai:gpt-4o
     """
     found = inspect_project(directory)
-    estimate = _estimate(found.project, vlm) if found.project and cost else None
+    problems = [*found.problems, *(_settings_problems(directory, found.project) if found.project else ())]
+    estimate, not_known = None, ""
+    if found.project and cost and not problems:
+        try:
+            estimate = _estimate(found.project, vlm)
+        except (ValueError, ImportError) as error:  # no pictures yet, or a simulator that is not installed here
+            if vlm:
+                raise
+            not_known = str(error)
     if json:
-        print_json(
-            {"problems": _rows(found.problems), "warnings": _rows(found.warnings), "learning": estimate}
-        )  # fmt: skip
-        return 2 if found.problems else 0
-    for problem in found.problems:
+        print_json({"problems": _rows(problems), "warnings": _rows(found.warnings), "learning": estimate})
+        return 2 if problems else 0
+    for problem in problems:
         out.print(str(problem), markup=False, soft_wrap=True)
     for warning in found.warnings:
-        where, _, message = str(warning).partition(warning.message)
-        out.print(f"{where}warning: {warning.message}{message}", markup=False, soft_wrap=True)
-    count = f"{len(found.problems)} problem(s)" if found.problems else "no problems found"
+        out.print(warning.told("warning"), markup=False, soft_wrap=True)
+    count = f"{len(problems)} problem(s)" if problems else "no problems found"
     out.print(f"{count}, {len(found.warnings)} warning(s)" if found.warnings else count)
     if estimate:
         out.print(_said(estimate), markup=False, soft_wrap=True)
-    return 2 if found.problems else 0
+    elif not_known:
+        out.print(f"what learning would cost is not known: {not_known}", markup=False, soft_wrap=True)
+    return 2 if problems else 0
+
+
+def _settings_problems(directory: Path, project: Project) -> list[Problem]:
+    """What is wrong with the project's settings for learning."""
+    try:
+        resolve_settings(project, None)
+    except RegistryError as error:
+        return [Problem(directory / "domain.yaml", None, str(error))]
+    return []
 
 
 def _rows(problems: Sequence[Problem]) -> list[dict[str, str | int | None]]:

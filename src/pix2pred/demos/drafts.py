@@ -78,8 +78,8 @@ def write_drafts(
 
 
 def _refuse_begun(directory: Path, *, overwrite: bool) -> None:
-    if directory.exists() and not is_folder(directory):
-        raise FolderError([Problem(directory, None, "is a file; choose a folder")])
+    if (directory.exists() or directory.is_symlink()) and not is_folder(directory):
+        raise FolderError([Problem(directory, None, "is no folder; choose another place")])
     if overwrite:
         return
     message = "exists already; choose another folder, or say --overwrite to replace it"
