@@ -12,17 +12,18 @@ from pix2pred.demos.documents import DomainDoc, load_document
 from pix2pred.demos.domain_text import domain_text
 from pix2pred.demos.example import example_declarations
 
-TYPES = ("item", "cup:item", "robot")
+TYPES = ("item", "cup:item", "robot", "box:item[angle, x]")
 OBJECTS = ('mug:cup = the "blue": mug # ü', "robby:robot")
 SKILLS = ("Pick(robot, cup)", "Pour(cup)[0..90, -1..1]", "Wait()")
 PREDICATES = (
     "Full(cup) = vlm: full_of_tea",
     "Hot(cup)=human",
-    "Holding(robot, cup) = skills: +Pick(0, 1) -Pour(0, 0)",
+    "Holding(robot, cup) = skills: +Pick(0, 1)",
+    "Open(box) = features: (<= box.angle 0.5)",
 )
 
 
-@pytest.mark.parametrize(("initial", "skills"), [(PREDICATES[:2], SKILLS), ((), ())])
+@pytest.mark.parametrize(("initial", "skills"), [(PREDICATES, SKILLS), ((), ())])
 def test_what_is_declared_is_read_back(tmp_path: Path, initial: tuple[str, ...], skills: tuple[str, ...]) -> None:
     declared = declare(TYPES, OBJECTS, skills, initial)
     (tmp_path / "domain.yaml").write_text(domain_text('tea: "x"\n', declared), encoding="utf-8")

@@ -10,13 +10,15 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pix2pred.cli.console import POSITIVE, bars, err, print_json
-from pix2pred.demos.declaring import DeclarationError, Declarations, declare
+from pix2pred.demos.declaring import DeclarationError, declare
 from pix2pred.demos.domain_text import domain_text
-from pix2pred.demos.drafts import Draft, write_drafts
+from pix2pred.demos.drafts import Draft, refuse_begun, write_drafts
 from pix2pred.demos.example import example_declarations, example_drafts
 from pix2pred.demos.importers import drafts_of_frames
 from pix2pred.demos.photos import MAX_SIDE, Order
 from pix2pred.demos.problems import FolderError, Problem
+
+_TO_FILL_IN = "An example to fill in. Put the photo of each state at images/0/main.jpg, images/1/main.jpg, and so on."
 
 Ask = Callable[[str], str]
 
@@ -33,7 +35,8 @@ def init(
     /,
     *,
     types: Annotated[
-        list[str] | None, Parameter(name="--type", negative=(), help="A type: cup, or with a parent cup:item.")
+        list[str] | None,
+        Parameter(name="--type", negative=(), help="A type: cup; with a parent cup:item; with numbers box[angle]."),
     ] = None,
     objects: Annotated[
         list[str] | None, Parameter(name="--object", negative=(), help="An object: 'red_cup:cup = the red cup'.")
@@ -74,22 +77,26 @@ def init(
     pix2pred init tea --type robot --type cup --object robot:robot --object 'mug:cup = the blue mug'
     --skill 'Pick(robot, cup)' --predicate 'Holding(robot, cup) = skills: +Pick(0, 1)'
     """
+    refuse_begun(directory, overwrite=overwrite)
+    photos = _photos(directory, from_photos, order, max_side) if from_photos is not None else None
     given = [types or [], objects or [], skills or [], predicates or []]
     if not any(given) and not no_input and not json and sys.stdin.isatty():
         given = interview(input, lambda text: err.print(text, markup=False))
     declared = declare(*given)
-    drafts = _drafts(directory, declared, from_photos, order, max_side, empty=not any(given))
-    if not any(given) and from_photos is None:
-        declared = example_declarations()
+    if photos is not None:
+        drafts = photos
+    elif any(given):
+        drafts = (Draft("example", (None,), (), notes=(_TO_FILL_IN,)),)
+    else:
+        declared, drafts = example_declarations(), example_drafts()
     with bars() as progress:
-        told = {draft.name: len(draft.actions) + 1 for draft in drafts} if from_photos else {}
-        total = sum(told.values())
+        total = sum(len(draft.actions) + 1 for draft in drafts)
         done = 0
 
         def tell(name: str, _written: int, _of: int) -> None:
             nonlocal done
             done += 1
-            if total:
+            if photos is not None:
                 progress("photos", done, total, name)
 
         name = directory.resolve().name or "project"
@@ -103,17 +110,10 @@ def init(
     return 0
 
 
-def _drafts(
-    directory: Path, declared: Declarations, photos: Path | None, order: Order, max_side: int, *, empty: bool
-) -> tuple[Draft, ...]:
-    if photos is not None:
-        if directory.resolve().is_relative_to(photos.resolve()):
-            raise FolderError([Problem(directory, None, f"lies among the photos of {photos}; choose another place")])
-        return drafts_of_frames(photos, order=order, max_side=max_side)
-    if empty:
-        return example_drafts()
-    note = "An example to fill in. Put the photo of each state at images/0/main.jpg, images/1/main.jpg, and so on."
-    return (Draft("example", (None,), (), notes=(note,)),)
+def _photos(directory: Path, photos: Path, order: Order, max_side: int) -> tuple[Draft, ...]:
+    if directory.resolve().is_relative_to(photos.resolve()):
+        raise FolderError([Problem(directory, None, f"lies among the photos of {photos}; choose another place")])
+    return drafts_of_frames(photos, order=order, max_side=max_side)
 
 
 def interview(ask: Ask, tell: Callable[[str], None]) -> list[list[str]]:

@@ -3,6 +3,7 @@
 ::
 
     cup:item                                        a type and its parent
+    box[angle]                                      a type whose objects have numbers
     red_cup:cup = the red cup                       an object, its type, and what picks it out in the pictures
     Pick(robot, cup)                                a skill and the types of its arguments
     Pour(cup)[0..90]                                ... with the bounds of its continuous parameters
@@ -118,9 +119,11 @@ def _said(detail: Mapping[str, Any]) -> str:
 
 
 def parse_type(text: str) -> TypeDoc:
-    """``cup`` or ``cup:item``."""
-    name, colon, parent = (part.strip() for part in text.partition(":"))
-    return TypeDoc(name=name, parent=parent if colon else None)
+    """``cup``, ``cup:item``, or with the names of its numbers ``cup:item[x, y]``."""
+    head, _, tail = text.partition("[")
+    features = tuple(part.strip() for part in tail.strip().removesuffix("]").split(",") if part.strip())
+    name, colon, parent = (part.strip() for part in head.partition(":"))
+    return TypeDoc(name=name, parent=parent if colon else None, features=features)
 
 
 def parse_object(text: str) -> tuple[str, ObjectDoc]:
@@ -151,7 +154,7 @@ def parse_skill(text: str) -> SkillDoc:
 
 def parse_predicate(text: str) -> PredicateDoc:
     """``On(cup, tray) = vlm``, with what the source needs after a colon."""
-    head, equals, tail = text.partition("=") if "(<=" not in text.partition("=")[0] else (text, "", "")
+    head, equals, tail = text.partition("=")
     written = parse_application(head)
     source, _, detail = (part.strip() for part in tail.partition(":"))
     if not equals:

@@ -53,7 +53,7 @@ def write_drafts(
     """
     directory = directory.absolute()
     if domain is not None:
-        _refuse_begun(directory, overwrite=overwrite)
+        refuse_begun(directory, overwrite=overwrite)
     else:
         _refuse_present(directory, drafts, overwrite=overwrite)
     with staged(directory) as stage:
@@ -77,7 +77,8 @@ def write_drafts(
             move_in(stage / DEMOS, directory / DEMOS, [draft.name for draft in drafts])
 
 
-def _refuse_begun(directory: Path, *, overwrite: bool) -> None:
+def refuse_begun(directory: Path, *, overwrite: bool) -> None:
+    """Raise ``FolderError`` where a new project would replace something, unless ``overwrite`` says so."""
     if (directory.exists() or directory.is_symlink()) and not is_folder(directory):
         raise FolderError([Problem(directory, None, "is no folder; choose another place")])
     if overwrite:
