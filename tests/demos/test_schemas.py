@@ -49,6 +49,10 @@ def test_files_made_by_hand_satisfy_their_schema(kind: str, text: str) -> None:
     assert errors(kind, getattr(test_check, text)) == []
 
 
+def test_a_camera_without_boxes_may_be_left_empty() -> None:
+    assert errors("demo", test_check.DEMO.replace("{main: {}}", "{main: }")) == []
+
+
 @pytest.mark.parametrize(
     ("kind", "text"),
     [

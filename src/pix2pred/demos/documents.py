@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
-from pydantic import BeforeValidator, Discriminator, Field, StringConstraints, Tag, ValidationError
+from pydantic import BeforeValidator, Discriminator, Field, StringConstraints, Tag, ValidationError, WithJsonSchema
 from pydantic_core import ErrorDetails
 
 from pix2pred.demos.folders import refusal
@@ -31,7 +31,17 @@ Camera = Annotated[str, StringConstraints(pattern=CAMERA_PATTERN, max_length=100
 
 BoxDoc = Annotated[tuple[Number, ...], Field(min_length=4, max_length=4, description="left, top, right, bottom")]
 
-Boxes = Annotated[dict[str, BoxDoc], BeforeValidator(lambda value: {} if value is None else value)]
+_BOXES_SCHEMA = {
+    "type": ["object", "null"],
+    "description": "boxes of objects in the picture: name: [left, top, right, bottom] in pixels",
+    "additionalProperties": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4},
+}
+
+Boxes = Annotated[
+    dict[str, BoxDoc],
+    BeforeValidator(lambda value: {} if value is None else value),
+    WithJsonSchema(_BOXES_SCHEMA, mode="validation"),
+]
 
 
 def _form(value: object) -> str:
