@@ -10,7 +10,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from pix2pred.demos import FolderError, Problem, check_project, json_schemas, read_project, read_tasks
+from pix2pred.demos import FolderError, Problem, check_project, read_project, read_tasks
 
 DOMAIN = """\
 format: pix2pred-domain
@@ -376,9 +376,3 @@ def test_long_chains_of_types(project: Path) -> None:
     chain = "\n".join(f"- {{name: t{i}, parent: t{i + 1}}}" for i in range(3000))
     edit(project / "domain.yaml", "- {name: thing}", f"- {{name: thing}}\n{chain}\n- {{name: t3000}}")
     assert "ancestors" in check_project(project)[0].message
-
-
-def test_schemas_are_published() -> None:
-    schemas = json_schemas()
-    assert sorted(schemas) == ["demo.yaml", "domain.yaml", "task.yaml"]
-    assert all(schema["additionalProperties"] is False for schema in schemas.values())

@@ -15,15 +15,18 @@ from pix2pred.baselines.sandbox import SandboxError
 from pix2pred.benchmark import SuiteError
 from pix2pred.cli.answers import answers
 from pix2pred.cli.bench import bench
-from pix2pred.cli.data import check, generate
+from pix2pred.cli.data import check, generate, schema
 from pix2pred.cli.demo import demo
 from pix2pred.cli.doctor import doctor
+from pix2pred.cli.imports import imports
+from pix2pred.cli.init import init
 from pix2pred.cli.learn import learn
 from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.review import review
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
+from pix2pred.demos.declaring import DeclarationError
 from pix2pred.film import FilmError
 from pix2pred.learning import TracesError
 from pix2pred.learning.samplers_file import SamplerFileError
@@ -43,6 +46,7 @@ from pix2pred.vlm.budget import BudgetError
 
 BAD_INPUT = (
     CorrectionsError,
+    DeclarationError,
     SandboxError,
     BackendError,
     EmptyProposalError,
@@ -74,9 +78,10 @@ app = App(
     suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (demo, generate, check, learn, review, solve, select, plan_pddl, doctor):
+for _verb in (init, demo, generate, check, schema, learn, review, solve, select, plan_pddl, doctor):
     app.command(_verb)
 app.command(answers)
+app.command(imports)
 app.command(bench)
 
 

@@ -30,6 +30,8 @@ _STAGES = {
     "solve": "Solving tasks",
     "bench": "Running the suite",
     "score": "Scoring a set",
+    "photos": "Copying photos",
+    "import": "Taking pictures",
 }
 
 

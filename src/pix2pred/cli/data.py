@@ -1,15 +1,30 @@
-"""``generate`` and ``check``: demonstrations on disk."""
+"""``generate``, ``check`` and ``schema``: demonstrations on disk."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 from pix2pred.cli.console import NOT_NEGATIVE, bars, err, out, print_json
-from pix2pred.demos import check_project, write_project
-from pix2pred.registry import check_family, load_domain
+from pix2pred.cli.learn import resolve_settings
+from pix2pred.demos import (
+    Problem,
+    Project,
+    inspect_project,
+    json_schemas,
+    write_project,
+    write_schemas,
+)
+from pix2pred.pipeline import ask_everything
+from pix2pred.registry import RegistryError, check_family, load_domain, load_estimator
+from pix2pred.vlm import AnswerStore
+from pix2pred.vlm.model_names import FORMS
+
+EXAMPLE_MODEL = "openai:gpt-4o"
+"""Whose prices are shown where nobody has said which model it will be."""
 
 
 def generate(
@@ -56,17 +71,86 @@ def check(
     directory: Path,
     /,
     *,
+    vlm: Annotated[
+        str | None, Parameter(help=f"Model to reckon the cost with [default: offline or {EXAMPLE_MODEL}]: {FORMS}.")
+    ] = None,
+    cost: Annotated[bool, Parameter(help="Reckon what learning would ask and cost; nothing is sent.")] = True,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
-    """Validate a project folder and report every problem with file and line.
+    """Say everything that is wrong with a project folder, what will hurt later, and what learning would cost.
 
-    Example: pix2pred check data/stacks
+    Problems name file and line, and have to be put right; warnings do not. Exit code 2 when there are problems.
+
+    Example: pix2pred check data/stacks --vlm openai:gpt-4o
     """
-    problems = check_project(directory)
+    found = inspect_project(directory)
+    problems = [*found.problems, *(_settings_problems(directory, found.project) if found.project else ())]
+    estimate, not_known = None, ""
+    if found.project and cost and not problems:
+        try:
+            estimate = _estimate(found.project, vlm)
+        except (ValueError, ImportError) as error:  # no pictures yet, or a simulator that is not installed here
+            if vlm:
+                raise
+            not_known = str(error)
     if json:
-        print_json({"problems": [{"file": str(p.file), "line": p.line, "message": p.message} for p in problems]})
-    else:
-        for problem in problems:
-            out.print(str(problem), markup=False, soft_wrap=True)
-        out.print("no problems found" if not problems else f"{len(problems)} problem(s)")
+        print_json({"problems": _rows(problems), "warnings": _rows(found.warnings), "learning": estimate})
+        return 2 if problems else 0
+    for problem in problems:
+        out.print(str(problem), markup=False, soft_wrap=True)
+    for warning in found.warnings:
+        out.print(warning.told("warning"), markup=False, soft_wrap=True)
+    count = f"{len(problems)} problem(s)" if problems else "no problems found"
+    out.print(f"{count}, {len(found.warnings)} warning(s)" if found.warnings else count)
+    if estimate:
+        out.print(_said(estimate), markup=False, soft_wrap=True)
+    elif not_known:
+        out.print(f"what learning would cost is not known: {not_known}", markup=False, soft_wrap=True)
     return 2 if problems else 0
+
+
+def _settings_problems(directory: Path, project: Project) -> list[Problem]:
+    """What is wrong with the project's settings for learning."""
+    try:
+        resolve_settings(project, None)
+    except RegistryError as error:
+        return [Problem(directory / "domain.yaml", None, str(error))]
+    return []
+
+
+def _rows(problems: Sequence[Problem]) -> list[dict[str, str | int | None]]:
+    return [{"file": str(p.file), "line": p.line, "message": p.message} for p in problems]
+
+
+def _estimate(project: Project, vlm: str | None) -> dict[str, Any]:
+    """What learning with the project's own settings would ask, none of it stored yet."""
+    domain = (project.simulator or {}).get("domain")
+    spec = vlm or ("offline" if domain and load_domain(domain).reader else EXAMPLE_MODEL)
+    estimator = load_estimator(spec, domain, AnswerStore(Path("no-answers")))
+    ask_everything(project.vocabulary, project.demos, estimator, resolve_settings(project, None))
+    return {**estimator.as_dict(), "asked_of": spec}
+
+
+def _said(estimate: Mapping[str, Any]) -> str:
+    tokens = f"{estimate['input_tokens']:,} tokens in, {estimate['output_tokens']:,} out"
+    cost = "" if estimate["dollars"] is None else f", about ${estimate['dollars']:.2f}"
+    return (
+        f"learning with {estimate['asked_of']} would ask about {estimate['queries']:,} questions with "
+        f"{estimate['pictures']:,} pictures ({tokens}{cost}); by stage: pix2pred learn --dry-run"
+    )
+
+
+def schema(
+    *,
+    out: Annotated[Path | None, Parameter(name="--out", help="Folder to write them to [default: print them].")] = None,
+) -> int:
+    """JSON Schemas of domain.yaml, demo.yaml, task.yaml and import.yaml, for editors that complete and check YAML.
+
+    Example: pix2pred schema --out my-project/schemas
+    """
+    if out is None:
+        print_json(json_schemas())
+    else:
+        for file in write_schemas(out):
+            err.print(str(file), markup=False)
+    return 0

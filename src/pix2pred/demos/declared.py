@@ -22,6 +22,13 @@ from pix2pred.structs.documents import (
 
 MAX_ANCESTORS = 50
 
+_NEEDED = {
+    "types": "the kinds of objects, such as '- {name: cup}'",
+    "skills": "what can be done, such as '- {name: Pick, types: [robot, cup]}'",
+    "predicates": "what goals are written in, such as '- {name: On, types: [cup, tray], source: vlm}'",
+}
+"""What no domain can be without."""
+
 
 @dataclass(frozen=True, slots=True)
 class Declared:
@@ -37,6 +44,9 @@ class Declared:
 
 def build_declared(sheet: Sheet, doc: DomainDoc) -> Declared:
     """Resolve ``doc`` as far as it is sound; problems go to the sheet."""
+    for key, example in _NEEDED.items():
+        if not getattr(doc, key):
+            sheet.report((key,), f"to be filled in: {example}")
     builder = _Builder(sheet)
     types = builder.types(doc.types)
     skills = builder.skills(doc.skills)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
-from pydantic import BeforeValidator, Discriminator, Field, StringConstraints, Tag, ValidationError
+from pydantic import BeforeValidator, Discriminator, Field, StringConstraints, Tag, ValidationError, WithJsonSchema
 from pydantic_core import ErrorDetails
 
 from pix2pred.demos.folders import refusal
@@ -31,7 +31,17 @@ Camera = Annotated[str, StringConstraints(pattern=CAMERA_PATTERN, max_length=100
 
 BoxDoc = Annotated[tuple[Number, ...], Field(min_length=4, max_length=4, description="left, top, right, bottom")]
 
-Boxes = Annotated[dict[str, BoxDoc], BeforeValidator(lambda value: {} if value is None else value)]
+_BOXES_SCHEMA = {
+    "type": ["object", "null"],
+    "description": "boxes of objects in the picture: name: [left, top, right, bottom] in pixels",
+    "additionalProperties": {"type": "array", "items": {"type": "number"}, "minItems": 4, "maxItems": 4},
+}
+
+Boxes = Annotated[
+    dict[str, BoxDoc],
+    BeforeValidator(lambda value: {} if value is None else value),
+    WithJsonSchema(_BOXES_SCHEMA, mode="validation"),
+]
 
 
 def _form(value: object) -> str:
@@ -107,12 +117,6 @@ class TaskDoc(FileDoc):
     state: StateDoc = StateDoc()
 
 
-def json_schemas() -> dict[str, dict[str, Any]]:
-    """JSON Schemas of the three files, by file name."""
-    documents: dict[str, type[FileDoc]] = {"domain.yaml": DomainDoc, "demo.yaml": DemoDoc, "task.yaml": TaskDoc}
-    return {name: document.model_json_schema() for name, document in documents.items()}
-
-
 @dataclass(frozen=True, slots=True)
 class Sheet:
     """A file being read: where its problems are collected, each with the line of the entry it concerns."""
@@ -142,17 +146,37 @@ def load_document(file: Path, root: Path, document: type[D], found: list[Problem
     sheet = Sheet(file, lined, found)
     if not _is_format(sheet, document):
         return None
+    valid = _validated(sheet, document)
+    return (sheet, valid) if valid else None
+
+
+def _validated(sheet: Sheet, document: type[D]) -> D | None:
+    """The document, without keys that no such file has; they are reported, and hide nothing else that is wrong."""
+    data = sheet.yaml.data
     try:
-        return sheet, document.model_validate(lined.data)
+        return document.model_validate(data)
     except ValidationError as error:
-        details = sorted(error.errors(include_url=False), key=lambda detail: lined.line(detail["loc"]))
-        for detail in details[:MAX_PROBLEMS]:
-            sheet.report(detail["loc"], _message(detail, document))
-        if len(details) > MAX_PROBLEMS:
-            sheet.report(
-                details[MAX_PROBLEMS]["loc"], f"... and {len(details) - MAX_PROBLEMS} more problems in this file"
-            )
+        details = sorted(error.errors(include_url=False), key=lambda detail: sheet.yaml.line(detail["loc"]))
+    for detail in details[:MAX_PROBLEMS]:
+        sheet.report(detail["loc"], _message(detail, document))
+    if len(details) > MAX_PROBLEMS:
+        message = f"... and {len(details) - MAX_PROBLEMS} more problems in this file"
+        sheet.report(details[MAX_PROBLEMS]["loc"], message)
+    if any(detail["type"] != "extra_forbidden" for detail in details):
         return None
+    try:
+        return document.model_validate(_without(data, {detail["loc"] for detail in details}))
+    except ValidationError:  # a place inside a union, whose names in an error are not all keys
+        return None
+
+
+def _without(data: Any, locs: Collection[Loc], here: Loc = ()) -> Any:
+    """``data`` without the entries at ``locs``."""
+    if isinstance(data, dict):
+        return {k: _without(v, locs, (*here, k)) for k, v in data.items() if (*here, k) not in locs}
+    if isinstance(data, list):
+        return [_without(entry, locs, (*here, i)) for i, entry in enumerate(data)]
+    return data
 
 
 def _is_format(sheet: Sheet, document: type[FileDoc]) -> bool:
@@ -195,7 +219,7 @@ def _message(detail: ErrorDetails, document: type[FileDoc]) -> str:
             return f"expected a mapping (key: value), found {shown}"
         case "float_type" | "finite_number":
             return f"expected a finite number, found {shown}"
-        case "too_short" | "too_long":
+        case "too_short" | "too_long" if "pictures" in detail["loc"]:
             return f"expected 4 numbers [left, top, right, bottom], found {shown}"
         case "string_pattern_mismatch":
             return f"{shown} is not a valid name: use letters, digits, '_' and '-', and no spaces"

@@ -8,15 +8,36 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+import PIL.Image
+from numpy.typing import NDArray
+
 from pix2pred.demos.documents import CAMERA_PATTERN, Sheet
 from pix2pred.demos.folders import entries, is_folder, refusal
 from pix2pred.demos.problems import Problem
 from pix2pred.demos.yaml_lines import Loc
-from pix2pred.structs import Box, Image, PictureError
+from pix2pred.structs import Box, Image, PictureError, Pixels
 
 ENDINGS = (".png", ".jpg", ".jpeg")
-_OTHER_PICTURES = (".bmp", ".gif", ".heic", ".heif", ".tif", ".tiff", ".webp")
+OTHER_PICTURES = (".bmp", ".gif", ".heic", ".heif", ".tif", ".tiff", ".webp")
 MAX_BYTES = 100_000_000
+
+SMALL_PICTURE = 100
+"""Pixels of the shorter side, below which a picture is called unreadably small."""
+
+SMALL_BOX = 5
+"""The same for the box of an object."""
+
+BLANK = 2.0
+"""Standard deviation, of 255, below which a picture shows nothing."""
+
+GRID, AREA = 64, 8
+"""Pictures are compared by the means of at most ``GRID x GRID`` areas, with sides of at least ``AREA`` pixels."""
+
+ALIKE = 3
+"""Pictures whose areas all differ by less than this (of 255) are alike."""
+
+Thumbnail = NDArray[np.int16]
 
 _CAMERA = re.compile(CAMERA_PATTERN)
 PNG_START = b"\x89PNG\r\n\x1a\n"
@@ -53,8 +74,10 @@ def _present(folder: Path, found: list[Problem], *, strict: bool) -> dict[str, P
                 found.append(Problem(folder, None, message))
             else:
                 present[path.stem] = path
-        elif strict and ending in _OTHER_PICTURES:
-            found.append(Problem(folder, None, f"{path.name!r}: only PNG and JPEG are read; convert the picture"))
+        elif strict and ending in OTHER_PICTURES:
+            found.append(
+                Problem(folder, None, f"{path.name!r}: only PNG and JPEG are read; export or convert the picture")
+            )
     return present
 
 
@@ -71,6 +94,26 @@ def check_image_folders(images: Path, states: int, found: list[Problem]) -> None
 
 
 @dataclass(frozen=True, slots=True)
+class Shown:
+    """The picture of one camera in one state: its file, and where objects are in it."""
+
+    path: Path
+    boxes: Mapping[str, Box]
+
+
+def thumbnail(pixels: Pixels) -> Thumbnail:
+    """The means of a grid of areas: what is left of a picture when its noise has averaged out."""
+    height, width = (min(GRID, max(1, side // AREA)) for side in pixels.shape[:2])
+    small = PIL.Image.fromarray(pixels).resize((width, height), PIL.Image.Resampling.BOX)
+    return np.asarray(small, dtype=np.int16)
+
+
+def difference(first: Thumbnail, second: Thumbnail) -> int:
+    """The largest change of an area in one colour, of 255."""
+    return int(np.abs(first - second).max())
+
+
+@dataclass(frozen=True, slots=True)
 class Size:
     """Extent of a picture in pixels."""
 
@@ -83,29 +126,69 @@ class Size:
 
 @dataclass(slots=True)
 class PictureCheck:
-    """Decodes the pictures of one demonstration and compares what it sees."""
+    """Decodes the pictures of one demonstration and compares what it sees.
+
+    What makes them unusable goes to the sheet, what will make them hard to read to ``warned``.
+    """
 
     sheet: Sheet
+    warned: list[Problem]
     sizes: dict[str, Size] = field(default_factory=dict)
+    _before: dict[str, Thumbnail] = field(default_factory=dict)
+    _said: set[tuple[str, str]] = field(default_factory=set)
 
-    def look(self, camera: str, path: Path, boxes: Mapping[str, Box], loc: Loc) -> None:
-        """Report a picture that cannot be read, has another size than before, or boxes that leave it."""
-        try:
-            size = measure(path)
-        except PictureError as error:
-            self.sheet.found.append(Problem(path, None, str(error).removeprefix(f"{path}: ")))
-            return
+    def look(self, pictures: Mapping[str, Shown], loc: Loc) -> None:
+        """Look at the pictures of the state at ``loc``, which follows the one that was looked at before."""
+        now: dict[str, Thumbnail] = {}
+        for camera, shown in pictures.items():
+            try:
+                pixels = load_picture(shown.path)
+            except PictureError as error:
+                message = str(error).removeprefix(f"{shown.path}: ")
+                self.sheet.found.append(Problem(shown.path, None, message))
+                continue
+            now[camera] = thumbnail(pixels)
+            self._compare_size(camera, shown, Size(pixels.shape[1], pixels.shape[0]), (*loc, "pictures", camera))
+            if float(pixels.std()) < BLANK:
+                self.warned.append(Problem(shown.path, None, "shows one colour and nothing else"))
+        self._compare_with_before(now, loc)
+
+    def _compare_size(self, camera: str, shown: Shown, size: Size, loc: Loc) -> None:
+        """Report another size than before, boxes that leave the picture, and what is too small to see."""
         first = self.sizes.setdefault(camera, size)
         if size != first:
             message = f"is {size} pixels, earlier pictures of camera {camera!r} are {first}; use one size"
-            self.sheet.found.append(Problem(path, None, message))
-        for name, box in boxes.items():
+            self.sheet.found.append(Problem(shown.path, None, message))
+        if min(size.width, size.height) < SMALL_PICTURE:
+            self._warn(camera, "", loc, f"pictures of {size} pixels are too small to tell things apart")
+        for name, box in shown.boxes.items():
             if box.left < 0 or box.top < 0 or box.right > size.width or box.bottom > size.height:
                 self.sheet.report((*loc, name), f"the box of {name!r} leaves the picture, which is {size} pixels")
+            elif min(box.width, box.height) < SMALL_BOX and size.height >= SMALL_PICTURE:
+                message = f"the box of {name!r} is {box.width:g}x{box.height:g} pixels: too small to see anything in it"
+                self._warn(camera, name, (*loc, name), message)
+
+    def _warn(self, camera: str, name: str, loc: Loc, message: str) -> None:
+        """Once for each camera and object of the demonstration."""
+        if (camera, name) not in self._said:
+            self._said.add((camera, name))
+            self.warned.append(Problem(self.sheet.file, self.sheet.yaml.line(loc), message))
+
+    def _compare_with_before(self, now: dict[str, Thumbnail], loc: Loc) -> None:
+        pairs = [(now[c], self._before[c]) for c in now if c in self._before]
+        changes = [difference(a, b) for a, b in pairs if a.shape == b.shape]
+        self._before = now
+        if changes and max(changes) < ALIKE:
+            message = "the pictures look the same as in the state before: nothing can be seen to change"
+            self.warned.append(Problem(self.sheet.file, self.sheet.yaml.line(loc), message))
 
 
-def measure(path: Path) -> Size:
-    """Decode the picture at ``path`` whole. Raises ``PictureError`` when it is not a sane PNG or JPEG."""
+def load_picture(path: Path) -> Pixels:
+    """Decode the picture at ``path`` whole, upright. Raises ``PictureError`` when it is not a sane PNG or JPEG.
+
+    Every picture that comes from outside goes through here: the limits of what is read are ``MAX_BYTES`` and
+    ``structs.states.MAX_PIXELS``.
+    """
     try:
         with path.open("rb") as file:
             start = file.read(len(PNG_START))
@@ -115,11 +198,17 @@ def measure(path: Path) -> Size:
     if length > MAX_BYTES:
         raise PictureError(f"{path}: has {length} bytes; more than {MAX_BYTES} are not read")
     if not start.startswith((PNG_START, JPEG_START)):
-        raise PictureError(f"{path}: is neither PNG nor JPEG, whatever its name says; convert it")
+        raise PictureError(f"{path}: is neither PNG nor JPEG, whatever its name says; {how_to_convert(start)}")
     try:
-        height, width = Image(path).pixels().shape[:2]
+        return Image(path).pixels()
     except PictureError:
         raise
     except Exception as error:  # the decoder fails in many ways on damaged files
         raise PictureError(f"{path}: cannot be read as a picture ({error})") from error
-    return Size(width, height)
+
+
+def how_to_convert(start: bytes) -> str:
+    """What to do with a file that begins with ``start``, which is neither PNG nor JPEG."""
+    if start[4:8] == b"ftyp":
+        return "export it as JPEG (an iPhone takes JPEG with Settings > Camera > Formats > Most Compatible)"
+    return "convert it"

@@ -17,8 +17,12 @@ class Problem:
 
     def __str__(self) -> str:
         """``file:line: message``."""
+        return self.told()
+
+    def told(self, kind: str = "") -> str:
+        """``file:line: kind: message``."""
         where = self.file if self.line is None else f"{self.file}:{self.line}"
-        return f"{where}: {self.message}"
+        return f"{where}: {kind}{': ' if kind else ''}{self.message}"
 
 
 def in_reading_order(found: Sequence[Problem]) -> list[Problem]:

@@ -58,7 +58,7 @@ def read_project(directory: Path) -> Project:
     Raises ``FolderError`` with every problem found.
     """
     found: list[Problem] = []
-    project, _ = collect_project(directory, found, decode=False)
+    project, _ = collect_project(directory, found)
     if found or project is None:
         raise FolderError(in_reading_order(found))
     return project
@@ -70,7 +70,7 @@ def read_tasks(directory: Path, vocabulary: Vocabulary) -> tuple[StoredTask, ...
     Raises ``FolderError`` with every problem found.
     """
     found: list[Problem] = []
-    tasks = collect_tasks(directory, _declared_for_tasks(directory, vocabulary, found), found, decode=False)
+    tasks = collect_tasks(directory, _declared_for_tasks(directory, vocabulary, found), found)
     if found:
         raise FolderError(in_reading_order(found))
     return tasks
@@ -90,8 +90,13 @@ def _declared_for_tasks(directory: Path, vocabulary: Vocabulary, found: list[Pro
     return Declared(vocabulary, {})
 
 
-def collect_project(directory: Path, found: list[Problem], *, decode: bool) -> tuple[Project | None, Declared | None]:
-    """Read what can be read; problems go to ``found``. Without sound declarations only the form of files is checked."""
+def collect_project(
+    directory: Path, found: list[Problem], warned: list[Problem] | None = None
+) -> tuple[Project | None, Declared | None]:
+    """Read what can be read; problems go to ``found``. Without sound declarations only the form of files is checked.
+
+    With a list for what is ``warned`` of, pictures are decoded.
+    """
     if not is_folder(directory):
         found.append(Problem(directory, None, "is not a folder"))
         return None, None
@@ -100,7 +105,7 @@ def collect_project(directory: Path, found: list[Problem], *, decode: bool) -> t
     folders = named_folders(directory / DEMOS, DEMO, found)
     if not folders:
         found.append(Problem(directory / DEMOS, None, f"holds no demonstration; add {DEMOS}/<name>/{DEMO}"))
-    demos = [_read_demo(folder, directory, declared, found, decode=decode) for folder in folders]
+    demos = [_read_demo(folder, directory, declared, found, warned) for folder in folders]
     if loaded is None or declared is None:
         return None, None
     doc = loaded[1]
@@ -109,7 +114,7 @@ def collect_project(directory: Path, found: list[Problem], *, decode: bool) -> t
 
 
 def _read_demo(
-    folder: Path, root: Path, declared: Declared | None, found: list[Problem], *, decode: bool
+    folder: Path, root: Path, declared: Declared | None, found: list[Problem], warned: list[Problem] | None
 ) -> Demo | None:
     before = len(found)
     loaded = load_document(folder / DEMO, root, DemoDoc, found)
@@ -124,7 +129,10 @@ def _read_demo(
         sheet.report(
             ("states",), f"{len(doc.actions)} actions need {len(doc.actions) + 1} states, found {len(doc.states)}"
         )
-    scene = Scene(sheet, declared, root, decode=decode)
+    scene = Scene(sheet, declared, root, warned)
+    if not doc.objects:
+        known = ", ".join(list(declared.objects)[:20])
+        sheet.report(("objects",), f"to be filled in: the objects of this scene{f', of {known}' if known else ''}")
     objects = scene.objects(doc.objects)
     goal = scene.atoms(("goal",), doc.goal)
     actions = scene.actions(("actions",), doc.actions)
@@ -138,16 +146,16 @@ def _read_demo(
 
 
 def collect_tasks(
-    directory: Path, declared: Declared | None, found: list[Problem], *, decode: bool
+    directory: Path, declared: Declared | None, found: list[Problem], warned: list[Problem] | None = None
 ) -> tuple[StoredTask, ...]:
     """Read the tasks that can be read; problems go to ``found``."""
     folders = named_folders(directory / TASKS, TASK, found)
-    tasks = [_read_task(folder, directory, declared, found, decode=decode) for folder in folders]
+    tasks = [_read_task(folder, directory, declared, found, warned) for folder in folders]
     return tuple(task for task in tasks if task)
 
 
 def _read_task(
-    folder: Path, root: Path, declared: Declared | None, found: list[Problem], *, decode: bool
+    folder: Path, root: Path, declared: Declared | None, found: list[Problem], warned: list[Problem] | None
 ) -> StoredTask | None:
     simulator = _read_simulator(folder / SIMULATOR, root, found)
     loaded = load_document(folder / TASK, root, TaskDoc, found)
@@ -156,7 +164,7 @@ def _read_task(
     sheet, doc = loaded
     if not doc.goal:
         sheet.report(("goal",), "a task needs a goal")
-    scene = Scene(sheet, declared, root, decode=decode)
+    scene = Scene(sheet, declared, root, warned)
     objects = scene.objects(doc.objects)
     goal = scene.atoms(("goal",), doc.goal)
     images = folder / IMAGES

@@ -8,7 +8,9 @@ from pathlib import Path
 
 from pix2pred.demos.declared import Declared, resolve_objects
 from pix2pred.demos.documents import Sheet, StateDoc
-from pix2pred.demos.pictures import PictureCheck, find_pictures
+from pix2pred.demos.pictures import PictureCheck, Shown, find_pictures
+from pix2pred.demos.problems import Problem
+from pix2pred.demos.unfilled import ask_for_action, ask_for_atom, is_unfilled
 from pix2pred.demos.yaml_lines import Loc
 from pix2pred.structs import Action, Application, Atom, Box, Image, Object, Picture, State, parse_application
 from pix2pred.structs.documents import Names, ObjectDoc, UnknownNameError
@@ -17,8 +19,11 @@ from pix2pred.structs.documents import Names, ObjectDoc, UnknownNameError
 class Scene:
     """The objects of one file, and everything said about them. Problems go to the sheet; reading goes on."""
 
-    def __init__(self, sheet: Sheet, declared: Declared, root: Path, *, decode: bool) -> None:
-        """``root`` is the project folder, which pictures must not leave; ``decode`` looks into pictures."""
+    def __init__(self, sheet: Sheet, declared: Declared, root: Path, warned: list[Problem] | None = None) -> None:
+        """``root`` is the project folder, which pictures must not leave.
+
+        Pictures are looked into only when there is a list for what is ``warned`` of.
+        """
         vocabulary = declared.vocabulary
         self.incomplete = False
         """Whether something was left out because its declaration has a problem, reported there."""
@@ -30,7 +35,7 @@ class Scene:
         self._objects: dict[str, Object] = {}
         self._cameras: tuple[str, ...] | None = None
         self._features: bool | None = None
-        self._check = PictureCheck(sheet) if decode else None
+        self._check = PictureCheck(sheet, warned) if warned is not None else None
 
     def objects(self, docs: Sequence[str] | Mapping[str, ObjectDoc]) -> tuple[Object, ...]:
         """The objects of the scene, in the order written."""
@@ -69,6 +74,10 @@ class Scene:
         """The atoms written as ``On(a, b)``, in the order written."""
         atoms = []
         for i, text in enumerate(texts):
+            if is_unfilled(text):
+                signatures = [p.signature for p in self._names.predicates.values()]
+                self._sheet.report((*loc, i), ask_for_atom(str(loc[-1]), signatures))
+                continue
             try:
                 written = _parse(text)
                 if not self._is_broken(written):
@@ -81,6 +90,9 @@ class Scene:
         """The actions written as ``Push(a, b)[0.1, -0.2]``."""
         actions = []
         for i, text in enumerate(texts):
+            if is_unfilled(text):
+                self._sheet.report((*loc, i), ask_for_action(i, self._names.skills.values()))
+                continue
             try:
                 head, params = _split_params(text)
                 written = _parse(head)
@@ -144,9 +156,9 @@ class Scene:
         pictures = []
         for camera in (c for c in self._cameras if c in paths):
             boxes = self._boxes((*loc, "pictures", camera), (doc.pictures or {}).get(camera, {}))
-            if self._check is not None:
-                self._check.look(camera, paths[camera], boxes, (*loc, "pictures", camera))
             pictures.append(Picture(camera, Image(paths[camera]), boxes))
+        if self._check is not None:
+            self._check.look({p.camera: Shown(paths[p.camera], p.boxes) for p in pictures}, loc)
         return tuple(pictures)
 
     def _boxes(self, loc: Loc, docs: Mapping[str, tuple[float, ...]]) -> dict[str, Box]:

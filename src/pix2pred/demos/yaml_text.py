@@ -20,6 +20,11 @@ def dump_yaml(data: Mapping[str, Any]) -> str:
     return "".join(f"{line}\n" for line in _block(data, ""))
 
 
+def inline_yaml(value: Any) -> str:
+    """``value``, text or a container of plain values, on one line."""
+    return _inline(value)
+
+
 def _block(value: Any, indent: str) -> Iterator[str]:
     """The lines of a container, one entry a line."""
     if isinstance(value, Mapping):

@@ -1,0 +1,121 @@
+"""``import``: photos, frames, videos and LeRobot datasets as demonstrations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
+from pix2pred.demos import inspect_project
+from pix2pred.demos.declaring import Declarations
+from pix2pred.demos.domain_text import domain_text
+from pix2pred.demos.drafts import Draft, write_drafts
+from pix2pred.demos.folders import DOMAIN
+from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos
+from pix2pred.demos.photos import MAX_SIDE, Order
+from pix2pred.demos.sidecar import read_sidecar
+
+imports = App(name="import", help="Bring photos, videos and robot data into a project as demonstrations.")
+
+Out = Annotated[Path, Parameter(name="--out", help="Project folder: demonstrations are added, or a project is begun.")]
+MaxSide = Annotated[int, Parameter(help="Longest side of pictures in pixels; longer ones shrink.", validator=POSITIVE)]
+Overwrite = Annotated[bool, Parameter(negative=(), help="Replace demonstrations of the same names.")]
+AsJson = Annotated[bool, Parameter(negative=(), help="Print one JSON object on the last line.")]
+
+
+@imports.command
+def frames(
+    source: Path,
+    /,
+    *,
+    actions: Annotated[
+        Path | None,
+        Parameter(name=("--actions", "--sidecar"), help="Actions: .txt, one a line; .csv or .yaml with positions too."),
+    ] = None,
+    out: Out,
+    order: Annotated[
+        Order, Parameter(help="Order of the photos: time taken, name; auto: time if all say it.")
+    ] = "auto",
+    max_side: MaxSide = MAX_SIDE,
+    overwrite: Overwrite = False,
+    json: AsJson = False,
+) -> int:
+    """Bring in folders of photos or frames; without a list of actions these are left to fill in.
+
+    Examples: pix2pred import frames photos --out tea
+    pix2pred import frames photos/tea-1 --actions tea-1.txt --out tea
+    """
+    segments = read_sidecar(actions) if actions else ()
+    return _bring(drafts_of_frames(source, segments, order=order, max_side=max_side), out, overwrite, as_json=json)
+
+
+@imports.command
+def video(
+    source: Path,
+    /,
+    *,
+    actions: Annotated[
+        Path, Parameter(name=("--actions", "--sidecar"), help="Table of times: .csv (seconds, action) or .yaml.")
+    ],
+    out: Out,
+    max_side: MaxSide = MAX_SIDE,
+    overwrite: Overwrite = False,
+    json: AsJson = False,
+) -> int:
+    """Bring in a video, or a folder of videos, at the times at which actions are done (extra video).
+
+    Example: pix2pred import video tea.mp4 --actions tea.csv --out tea
+    """
+    return _bring(drafts_of_videos(source, read_sidecar(actions), max_side=max_side), out, overwrite, as_json=json)
+
+
+@imports.command
+def lerobot(
+    source: Path,
+    /,
+    *,
+    actions: Annotated[
+        Path, Parameter(name=("--sidecar", "--actions"), help="Which steps each episode has: .yaml or .csv.")
+    ],
+    out: Out,
+    max_side: MaxSide = MAX_SIDE,
+    overwrite: Overwrite = False,
+    json: AsJson = False,
+) -> int:
+    """Bring in episodes of a LeRobot dataset of format v3 that lies on disk (extra lerobot).
+
+    Example: pix2pred import lerobot datasets/pick-cubes --sidecar steps.yaml --out cubes
+    """
+    return _bring(drafts_of_lerobot(source, read_sidecar(actions), max_side=max_side), out, overwrite, as_json=json)
+
+
+def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: bool) -> int:
+    """Write the drafts, and say what is still to be done."""
+    begun = (project / DOMAIN).exists()
+    domain = None if begun else domain_text(project.resolve().name, Declarations())
+    total = sum(len(draft.actions) + 1 for draft in drafts)
+    with bars() as progress:
+        done = 0
+
+        def tell(name: str, _written: int, _of: int) -> None:
+            nonlocal done
+            done += 1
+            progress("import", done, total, name)
+
+        write_drafts(project, drafts, domain, overwrite=overwrite, tell=tell)
+    problems = inspect_project(project).problems
+    if as_json:
+        names = {draft.name: len(draft.actions) + 1 for draft in drafts}
+        notes = {draft.name: list(draft.notes) for draft in drafts}
+        print_json({"folder": str(project), "demonstrations": names, "notes": notes, "problems": len(problems)})
+        return 0
+    for draft in drafts:
+        out.print(f"{draft.name}: {len(draft.actions) + 1} states", markup=False)
+    for note in dict.fromkeys(note for draft in drafts for note in draft.notes):
+        out.print(f"  {note}", markup=False, soft_wrap=True)
+    if problems:
+        err.print(f"{len(problems)} things to fill in or put right: pix2pred check {project}", markup=False)
+    return 0

@@ -1,0 +1,188 @@
+"""What a LeRobot dataset says about itself: its cameras, and where the frames of each episode are."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, Field, ValidationError
+
+from pix2pred.demos.folders import entries, is_folder, refusal
+from pix2pred.demos.importers.parquet import ParquetError, rows
+from pix2pred.demos.problems import Problem
+from pix2pred.demos.sidecar import demo_name
+from pix2pred.demos.yaml_lines import MAX_BYTES
+
+MAX_EPISODES = 1_000_000
+_PREFIX = "observation.images."
+_FIELD = re.compile(r"\{(video_key|chunk_index|file_index)(?::0?(\d{1,2})d)?\}")
+
+
+class DatasetError(ValueError):
+    """A dataset cannot be read: what is wrong with which ``file``."""
+
+    def __init__(self, file: Path, message: str) -> None:
+        self.file = file
+        super().__init__(message)
+
+
+class FeatureDoc(BaseModel):
+    """A column: what it holds and of what shape."""
+
+    dtype: str
+    shape: tuple[int, ...] = ()
+
+
+class InfoDoc(BaseModel):
+    """The part of ``meta/info.json`` that is used here."""
+
+    codebase_version: str
+    fps: Annotated[float, Field(gt=0, le=10_000, allow_inf_nan=False)]
+    features: dict[str, FeatureDoc]
+    data_path: str = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+    video_path: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """A column of pictures: its name there, the name it gets here, and whether it is kept as video."""
+
+    key: str
+    name: str
+    is_video: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Info:
+    """Frames per second, the cameras, the other columns, and how paths are made."""
+
+    fps: float
+    cameras: tuple[Camera, ...]
+    numbers: tuple[str, ...]
+    data_path: str
+    video_path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Episode:
+    """An episode: its number, its frames, its tasks in words, and the row that says where it lies."""
+
+    number: int
+    length: int
+    tasks: tuple[str, ...]
+    row: Mapping[str, Any]
+
+    def video(self, source: Path, info: Info, key: str) -> tuple[Path, float]:
+        """The file that shows it from the camera ``key``, and the second at which it begins there."""
+        names: dict[str, str | int] = {"video_key": key, **self._indices(f"videos/{key}/")}
+        begin = self.row[f"videos/{key}/from_timestamp"]
+        if not isinstance(begin, int | float) or not math.isfinite(begin) or begin < 0:
+            raise DatasetError(source, f"episode {self.number} begins at {begin!r} s")
+        return source / filled(info.video_path, names), float(begin)
+
+    def data(self, source: Path, info: Info) -> Path:
+        """The table that holds its frames."""
+        return source / filled(info.data_path, self._indices("data/"))
+
+    def _indices(self, prefix: str) -> dict[str, int]:
+        return {name: _whole(self.row[f"{prefix}{name}"], self.number) for name in ("chunk_index", "file_index")}
+
+
+def read_info(source: Path) -> Info:
+    """Read ``meta/info.json``. Raises ``DatasetError``."""
+    file = source / "meta" / "info.json"
+    if not is_folder(source):
+        raise DatasetError(source, "is not a folder; give the folder of the dataset, which holds meta/info.json")
+    if message := refusal(file, source):
+        raise DatasetError(file, f"{message}; is this a LeRobot dataset?")
+    try:
+        if file.stat().st_size > MAX_BYTES:
+            raise DatasetError(file, f"has more than {MAX_BYTES} bytes")
+        data = json.loads(file.read_bytes())
+        version = data.get("codebase_version") if isinstance(data, dict) else None
+        if not re.match(r"v3(\.|$)", str(version)):
+            message = f"the dataset's version is {str(version)[:20]!r}, this program reads v3"
+            raise DatasetError(file, f"{message}; LeRobot converts older ones (lerobot ... convert_dataset_v21_to_v30)")
+        doc = InfoDoc.model_validate(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise DatasetError(file, f"{where}: {first['msg']}") from error
+    except (OSError, RecursionError, json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise DatasetError(file, f"cannot be read as JSON ({error})") from error
+    cameras: dict[str, Camera] = {}
+    for key, feature in doc.features.items():
+        if feature.dtype in ("video", "image"):
+            name = demo_name(key.removeprefix(_PREFIX).replace(".", "_"), list(cameras))
+            cameras[name] = Camera(key, name, feature.dtype == "video")
+    if not cameras:
+        raise DatasetError(file, "the dataset has no camera; nothing can be learned from it")
+    numbers = tuple(key for key, feature in doc.features.items() if feature.dtype not in ("video", "image"))
+    video_path = doc.video_path or "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
+    return Info(doc.fps, tuple(cameras.values()), numbers, doc.data_path, video_path)
+
+
+def read_episodes(source: Path, info: Info) -> dict[int, Episode]:
+    """The episodes of all tables below ``meta/episodes``, by number. Raises ``DatasetError``."""
+    folder = source / "meta" / "episodes"
+    found: list[Problem] = []
+    files = [f for chunk in entries(folder, found) for f in (entries(chunk, found) if is_folder(chunk) else [])]
+    files = [f for f in files if f.suffix == ".parquet"]
+    if not files:
+        raise DatasetError(folder, "holds no table of episodes (chunk-000/file-000.parquet)")
+    columns = ["episode_index", "length", "tasks"]
+    if any(not camera.is_video for camera in info.cameras):
+        columns += ["data/chunk_index", "data/file_index"]
+    for camera in info.cameras:
+        if camera.is_video:
+            columns += [f"videos/{camera.key}/{c}" for c in ("chunk_index", "file_index", "from_timestamp")]
+    episodes: dict[int, Episode] = {}
+    for file in files:
+        try:
+            for row in rows(file, columns, source):
+                episode = _episode(row)
+                episodes[episode.number] = episode
+                if len(episodes) > MAX_EPISODES:
+                    raise DatasetError(file, f"more than {MAX_EPISODES} episodes are not read")
+        except ParquetError as error:
+            raise DatasetError(file, str(error)) from error
+        except (TypeError, ValueError) as error:
+            raise error if isinstance(error, DatasetError) else DatasetError(file, str(error)) from error
+    if not episodes:
+        raise DatasetError(folder, "names no episode")
+    return dict(sorted(episodes.items()))
+
+
+def _episode(row: Mapping[str, Any]) -> Episode:
+    number = _whole(row["episode_index"], row["episode_index"])
+    tasks = row["tasks"] if isinstance(row["tasks"], list) else [row["tasks"]]
+    return Episode(number, _whole(row["length"], number), tuple(str(t) for t in tasks if t is not None), row)
+
+
+def _whole(value: object, episode: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 10**9:
+        raise ValueError(f"episode {episode!r}: {value!r} is no count")
+    return value
+
+
+def filled(template: str, names: Mapping[str, str | int]) -> str:
+    """A path made of ``template``, whose fields may be those of LeRobot and nothing else Python would format.
+
+    Raises ``ValueError`` for an unknown field; where the path leads is for the reader to refuse.
+    """
+
+    def value(match: re.Match[str]) -> str:
+        name, width = match[1], match[2]
+        if name not in names:
+            raise ValueError(f"the path {template[:100]!r} needs {name}")
+        return str(names[name]).zfill(int(width or 0))
+
+    path = _FIELD.sub(value, template)
+    if set(_FIELD.sub("", template)) & {"{", "}"}:
+        raise ValueError(f"the path {template[:100]!r} has fields that are not known here")
+    return path
