@@ -27,6 +27,9 @@ class ProposalSettings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     variant: Literal["diverse", "specific"] = "diverse"
+    asked: tuple[int, int] | None = Field(
+        None, description="how many predicates the model is asked for, not held to (Coffee: 5 to 10)"
+    )
     max_atoms: int | None = Field(None, ge=1, description="atoms kept per demonstration (Cleanup, Juice: 25)")
     exclude: tuple[str, ...] = Field((), description="words; atoms that mention one are dropped (e.g. hand, gripper)")
     marks: bool = Field(True, description="write object names into the pictures (simulation: yes, photos: no)")
@@ -123,7 +126,8 @@ def _whole_lines(demo: Demo, answer: str, settings: ProposalSettings) -> Proposa
 
 def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS) -> Request:
     """The query about one demonstration: instruction, objects, actions, then every state's pictures."""
-    limit = f"List at most {settings.max_atoms} predicates in total.\n" if settings.max_atoms else ""
+    limit = "Propose only {} to {} predicates.\n".format(*settings.asked) if settings.asked else ""
+    limit += f"List at most {settings.max_atoms} predicates in total.\n" if settings.max_atoms else ""
     text = fill(
         "propose" if settings.variant == "diverse" else "propose_specific",
         objects=object_lines(demo.objects),
