@@ -19,6 +19,7 @@ from pix2pred.cli.data import check, generate
 from pix2pred.cli.demo import demo
 from pix2pred.cli.doctor import doctor
 from pix2pred.cli.learn import learn
+from pix2pred.cli.plan import plan
 from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.review import review
 from pix2pred.cli.select import select
@@ -74,7 +75,7 @@ app = App(
     suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (demo, generate, check, learn, review, solve, select, plan_pddl, doctor):
+for _verb in (demo, generate, check, learn, review, solve, plan, select, plan_pddl, doctor):
     app.command(_verb)
 app.command(answers)
 app.command(bench)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -21,6 +22,9 @@ POSITIVE = validators.Number(gte=1)
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+"""Control characters, C1 included, and those that reorder text."""
+
 _STAGES = {
     "generate": "Drawing demonstrations",
     "propose": "Proposing predicates",
@@ -31,6 +35,19 @@ _STAGES = {
     "bench": "Running the suite",
     "score": "Scoring a set",
 }
+
+
+def plain(text: str) -> str:
+    """``text`` without what a terminal would obey: control characters are shown as pictures of themselves.
+
+    Line ends and tabs stay. Whatever a model or a file says passes through here before it is printed.
+    """
+    return _CONTROL.sub(_pictured, text)
+
+
+def _pictured(match: re.Match[str]) -> str:
+    code = ord(match[0])
+    return chr(0x2400 + code) if code < 0x20 else "\u2421" if code == 0x7F else f"\\u{code:04x}"
 
 
 class Bars:

@@ -72,8 +72,13 @@ def solve(
     return 0 if summary["solved"] == summary["tasks"] else 1
 
 
-def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -> tuple[Solver, dict[str, Any]]:
-    """A solver with the model, labeller and answer store of a run, and the run's configuration."""
+def load_solver(
+    folder: RunFolder, planner: str, *, closed_loop: bool = False, vlm: str | None = None
+) -> tuple[Solver, dict[str, Any]]:
+    """A solver with the model, labeller and answer store of a run, and the run's configuration.
+
+    ``vlm`` is another way to reach the same model, such as ``replay:DIR``. Raises ``RunFolderError``.
+    """
     config = folder.config()
     if not (folder.path / MODEL).exists():
         raise RunFolderError(
@@ -83,13 +88,14 @@ def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -
     try:
         settings = Settings.model_validate(config["settings"])
         answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
-        vlm = load_stored(config["vlm"], config["simulator"].get("domain"), answers, flow=settings.flow)
+        spec = vlm or config["vlm"]
+        stored = load_stored(spec, config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
         raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
-    if vlm.name != labelled_by:
-        raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {config['vlm']!r} is now {vlm.name}")
-    labeller = Labeller(vlm, settings.labels)
+    if stored.name != labelled_by:
+        raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
+    labeller = Labeller(stored, settings.labels)
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
     return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
 
