@@ -77,7 +77,7 @@ def read_photo(path: Path, task: Task, vocabulary: Vocabulary) -> Photographed:
     if unknown:
         sheet.report(("pictures", unknown[0]), f"there is no camera {unknown[0]!r}; the task has {', '.join(cameras)}")
     scene = _scene(sheet, task, vocabulary)
-    rest = scene.state((), doc.model_copy(update={"pictures": None}), path / "no pictures")
+    rest = scene.state((), doc.model_copy(update={"pictures": None}), path.parent / ".no pictures")
     boxes = {c: scene.boxes(("pictures", c), (doc.pictures or {}).get(c, {})) for c in cameras}
     if found:
         raise FolderError(in_reading_order(found))

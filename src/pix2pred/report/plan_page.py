@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -21,11 +22,19 @@ from pix2pred.images import draw_view, skill_crop
 from pix2pred.report.page import asset, environment
 from pix2pred.structs import TRUE, UNKNOWN, Atom, FromVLM, GroundOperator, PlanStatus, State
 from pix2pred.structs.predicates import source_name
-from pix2pred.structs.states import PictureError, Pixels
+from pix2pred.structs.states import Pixels
 from pix2pred.structs.views import View
 
 SIDE, CROP_SIDE, QUALITY = 880, 260, 82
 """Pixels of the longer side of a scene and of a crop, and their WebP quality."""
+
+MOST_DRAWN = 500
+"""Drawn pictures kept, since the page is made anew after every step; about 20 MB."""
+
+_DRAWN: dict[str, str] = {}
+
+MOST_USES = 5
+"""Steps named beside a label that they need."""
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'"
 
@@ -57,6 +66,7 @@ class LabelView:
     why: str
     crop: str
     used: tuple[str, ...]
+    more: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +106,7 @@ def render_plan(scene: PlannedScene, guided: Guided | None = None) -> str:
         photos=_photos(task.initial, 0),
         steps=steps,
         goal_needs=_pairs(scene.needs[-1]) if scene.solved else (),
-        rests=[_label(scene, a) for a in scene.rests_on],
+        rests=[_label(scene, a) for a in sorted(scene.rests_on, key=lambda a: a not in scene.labels.values)],
         unlabelled=[_label(scene, a) for a in scene.unlabelled],
         missing=lacking,
         unseen=[_label(scene, a) for a in seen_wrong],
@@ -128,12 +138,14 @@ def _label(scene: PlannedScene, atom: Atom, *, crop: bool = True) -> LabelView:
     used = [str(i) for i, step in enumerate(scene.needs, start=1) for n in step if n.atom == atom and n.by is None]
     if used and used[-1] == str(len(scene.needs)):
         used[-1] = "goal"
+    more = len(used) - MOST_USES
     return LabelView(
         str(atom), word, _SOURCES[source_name(atom.predicate.source)],
         "" if probability is None else f"{100 * probability:.0f} %",
         scene.said.get(atom, ""),
         _crop(scene.task.initial, atom) if crop and isinstance(atom.predicate.source, FromVLM) else "",
-        tuple(used),
+        tuple(used[:MOST_USES]),
+        max(0, more),
     )  # fmt: skip
 
 
@@ -165,10 +177,16 @@ def _crop(state: State, atom: Atom) -> str:
 
 
 def _uri(view: View) -> str:
-    try:
-        pixels: Pixels = draw_view(view)
-    except PictureError:
-        return ""
+    key = json.dumps(view.canonical(), sort_keys=True)
+    if key not in _DRAWN:
+        if len(_DRAWN) >= MOST_DRAWN:
+            _DRAWN.clear()
+        _DRAWN[key] = _drawn(view)
+    return _DRAWN[key]
+
+
+def _drawn(view: View) -> str:
+    pixels: Pixels = draw_view(view)
     buffer = io.BytesIO()
     PIL.Image.fromarray(pixels).save(buffer, "WEBP", quality=QUALITY, method=2)
     return "data:image/webp;base64," + base64.b64encode(buffer.getvalue()).decode()
