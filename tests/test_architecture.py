@@ -40,8 +40,9 @@ MAY_IMPORT |= {
     "baselines": ABOVE_THE_PIPELINE,
     "benchmark": ABOVE_THE_PIPELINE,
     "registry": LOWER | {"pipeline", "approach", "domains"},
+    "api": LOWER | {"pipeline", "run_folder", "runs", "report", "registry"},
     "cli": ABOVE_THE_PIPELINE
-    | {"runs", "plan_folder", "film", "registry", "report", "review", "benchmark", "baselines", "parallel", "cli"},
+    | {"runs", "api", "plan_folder", "film", "registry", "report", "review", "benchmark", "baselines", "parallel", "cli"},
 }
 
 

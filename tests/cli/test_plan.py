@@ -14,12 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-import cli.hostile_lamps as lamps
-import pix2pred.cli.learn
-import pix2pred.cli.solve
 from markupsafe import escape
 
+import cli.hostile_lamps as lamps
+import pix2pred.api
+import pix2pred.cli.learn
 from command_line import Cli
 from lamps_run import BOMB, learn_lamps
 from pix2pred.planning import is_valid
@@ -55,7 +54,7 @@ def says(request: Request) -> str:
 
 def use(monkeypatch: pytest.MonkeyPatch, label: lamps.Say) -> None:
     model = lamps.Fake(label, label, f"fake{BOMB}")
-    for module in (pix2pred.cli.learn, pix2pred.cli.solve):
+    for module in (pix2pred.api, pix2pred.cli.learn):
         monkeypatch.setitem(module.__dict__, "load_stored", lamps.behind_a_store(model))
 
 

@@ -55,9 +55,7 @@ def operator(name: str, skill: Skill, pre: set[LiftedAtom], add: set[LiftedAtom]
 
 OPERATORS = (
     operator("Op0", HEAT, set(), {lifted(HOT, X)}, set()),
-    operator(
-        "Op1", POUR, {lifted(HOT, X), lifted(EMPTY, Y)}, {lifted(FULL, Y)}, {lifted(HOT, X), lifted(EMPTY, Y)}
-    ),
+    operator("Op1", POUR, {lifted(HOT, X), lifted(EMPTY, Y)}, {lifted(FULL, Y)}, {lifted(HOT, X), lifted(EMPTY, Y)}),
     operator("Op2", SERVE, {lifted(FULL, Y)}, {lifted(SERVED, Y)}, set()),
 )
 VOCABULARY = Vocabulary("tea", (CUP, KETTLE), (HEAT, POUR, SERVE), (SERVED,))
@@ -90,7 +88,13 @@ def task(*goal: Atom) -> Task:
     return Task("monday", (C1, C2, K), photo(0), goal)
 
 
-COLD = {"hot(k)": "False", "full(blue_cup)": "False", "full(c2)": "False", "empty(blue_cup)": "True", "empty(c2)": "True"}
+COLD = {
+    "hot(k)": "False",
+    "full(blue_cup)": "False",
+    "full(c2)": "False",
+    "empty(blue_cup)": "True",
+    "empty(c2)": "True",
+}
 
 
 def scene(*goal: Atom, **different: str) -> PlannedScene:
@@ -107,7 +111,7 @@ def test_each_need_comes_from_a_step_or_from_the_first_look() -> None:
     found = scene(SERVED(C1), SERVED(C2))
     first, second = (found.actions.index(f"PourInto(k, {c})") for c in ("c1", "c2"))
     assert len(found.actions) == 6
-    by_step = [dict((str(n.atom), n.by) for n in step) for step in found.needs]
+    by_step = [{str(n.atom): n.by for n in step} for step in found.needs]
     heats = [i for i, action in enumerate(found.actions) if action == "Heat(k)"]
     for pour in (first, second):  # hot water is used up: each pouring needs the heating just before it
         assert by_step[pour]["hot0(k)"] == max(h for h in heats if h < pour)

@@ -87,17 +87,17 @@ def print_learned(metrics: Mapping[str, Any], operators: Sequence[Operator]) -> 
     """What was proposed, selected and learned."""
     table = Table(title="World model", title_justify="left", show_header=False, box=None)
     table.add_row("demonstrations", f"{metrics['demonstrations']} ({metrics['transitions']} skills)")
-    table.add_row("labels from", str(metrics["labels_from"]))
+    table.add_row("labels from", escape(plain(str(metrics["labels_from"]))))
     table.add_row("atoms proposed", f"{metrics['proposed']} usable, {metrics['rejected']} rejected")
     table.add_row("candidates", f"{metrics['candidates']} predicates")
-    table.add_row("selected", escape(", ".join(metrics["selected"]) or "none"))
+    table.add_row("selected", escape(plain(", ".join(metrics["selected"]) or "none")))
     table.add_row("J", " > ".join(f"{j:,.0f}" for j in metrics["J"]))
     table.add_row("operators", str(metrics["operators"]))
     if metrics["corrections"]:
         table.add_row("corrections", str(metrics["corrections"]))
     out.print(table)
     for warning in metrics["warnings"]:
-        out.print(f"  [yellow]warning:[/yellow] {escape(warning)}")
+        out.print(f"  [yellow]warning:[/yellow] {escape(plain(warning))}")
     for op in operators:
         out.print(f"  {op.name:<5} {op.skill.name}({', '.join(v.type.name for v in op.skill_args)})", style="dim")
 
@@ -109,7 +109,7 @@ def print_solved(summary: Mapping[str, Any]) -> None:
         table.add_column(column)
     for episode in summary["episodes"]:
         result = "[green]solved" if episode["solved"] else f"[red]{episode['failure']}"
-        table.add_row(escape(episode["task"]), result, str(len(episode["steps"])), escape(episode["detail"]))
+        table.add_row(escape(episode["task"]), result, str(len(episode["steps"])), escape(plain(episode["detail"])))
     out.print(table)
     out.print(f"solved {summary['solved']} of {summary['tasks']}")
 

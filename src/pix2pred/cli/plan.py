@@ -7,9 +7,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from pix2pred.api import load_solver
 from pix2pred.cli.console import err, out, plain, print_json
 from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_missing
-from pix2pred.cli.solve import load_solver
 from pix2pred.demos import read_task
 from pix2pred.execution import PlannedScene, plan_scene
 from pix2pred.execution.wording import in_words
