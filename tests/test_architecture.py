@@ -42,7 +42,8 @@ MAY_IMPORT |= {
     "registry": LOWER | {"pipeline", "approach", "domains"},
     "api": LOWER | {"pipeline", "run_folder", "runs", "report", "registry"},
     "cli": ABOVE_THE_PIPELINE
-    | {"runs", "api", "plan_folder", "film", "registry", "report", "review", "benchmark", "baselines", "parallel", "cli"},
+    | {"runs", "api", "plan_folder", "film", "registry", "report", "review", "benchmark", "baselines", "parallel"}
+    | {"cli"},
 }
 
 
