@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from doc_runner import Command, Follower, SavedFile, matches, parts
+from notebook import printed
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.families import Family
 from pix2pred.vlm.mailbox import MailboxVLM
@@ -67,3 +69,10 @@ def test_pages_are_taken_apart() -> None:
 )
 def test_dots_stand_for_lines(expected: tuple[str, ...], printed: list[str], same: bool) -> None:
     assert matches(expected, printed) is same
+
+
+def test_the_notebook_prints_what_it_shows(quick: None) -> None:
+    notebook = json.loads((DOCS / "quickstart.ipynb").read_text())
+    shown = [["".join(o["text"]) for o in c["outputs"]] for c in notebook["cells"] if c["cell_type"] == "code"]
+    assert [[text] if text else [] for _, text in printed(notebook)] == shown
+    assert any("Cook(robot, patty1, grill)" in text for texts in shown for text in texts)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pix2pred.demos import Project, StoredTask, write_project
     from pix2pred.execution import PlannedScene
     from pix2pred.pipeline import Settings
+    from pix2pred.structs import Task
 
 __version__ = "0.1.0"
 
@@ -28,6 +29,7 @@ __all__ = [
     "Project",
     "Settings",
     "StoredTask",
+    "Task",
     "__version__",
     "generate",
     "learn",
@@ -47,6 +49,7 @@ _HOMES = {
     "write_project": "pix2pred.demos",
     "PlannedScene": "pix2pred.execution",
     "Settings": "pix2pred.pipeline",
+    "Task": "pix2pred.structs",
 }
 
 
