@@ -1,4 +1,4 @@
-"""The tutorial, followed to the letter from an empty folder: every file saved, every command run, every output compared."""
+"""The tutorial, followed to the letter from an empty folder: files saved, commands run, outputs compared."""
 
 from __future__ import annotations
 
