@@ -149,8 +149,11 @@ def test_the_same_command_goes_on_where_the_input_ended(cli: Cli, run: Path, typ
     types(photo("a.png", 1), "")
     stopped = cli(*command)
     assert stopped.code == 1 and "the same command goes on" in stopped.out
-    use_no_model_for_known = json.loads((run / "plans/t0/session.json").read_text())
-    assert [e["photo"] for e in use_no_model_for_known["executed"]] == ["a.png"]
+    session = json.loads((run / "plans/t0/session.json").read_text())
+    assert [e["photo"] for e in session["executed"]] == ["a.png"]
+    page = (run / "plans/t0/plan.html").read_bytes()
+    assert cli("plan", run, "--task", task(run)).code == 0  # looks again, and forgets nothing
+    assert (run / "plans/t0/plan.html").read_bytes() == page and b"Executed so far" in page
     types(photo("b.png", 2), "")
     ran = cli(*command)
     assert ran.code == 0 and "step 1, done before" in ran.out

@@ -93,11 +93,18 @@ def _ask(question: str) -> str | None:
     return line.strip() if line else None
 
 
-def guide(folder: PlanFolder, session: SessionDoc, scene: PlannedScene, photos: Photos) -> Guided:
-    """Execute a plan with a person; everything is on disk before the next skill is named."""
+def guide(folder: PlanFolder, session: SessionDoc, scene: PlannedScene, photos: Photos | None) -> Guided:
+    """Execute a plan with a person; everything is on disk before the next skill is named.
+
+    Without ``photos`` nothing more is executed: what was, is taken up again and written.
+    """
     guided = Guided(scene)
     for look in folder.replay(session, guided):
-        _say(guided, look, known=True)
+        if photos is not None:
+            _say(guided, look, known=True)
+    if photos is None:
+        _save(folder, scene, guided)
+        return guided
     while guided.step is not None:
         _save(folder, scene, guided)
         number = len(guided.looks) + 1

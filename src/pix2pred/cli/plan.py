@@ -65,19 +65,20 @@ def plan(
     with PlanFolder.locked(out_dir or run / "plans" / stored.task.name) as folder:
         session = folder.session(stored.task, solver.model, solver.labeller.vlm.name, retake=retake)
         scene = plan_scene(solver, stored.task)
-        folder.write_plan(scene)
-        folder.folder.write(PAGE, render_plan(scene))
         if not json:
             _print_plan(scene)
         guided = None
-        if (interactive or photos) and scene.solved:
-            source: Photos = WatchedFolder(photos, session) if photos else TypedPaths()
+        if scene.solved and (interactive or photos or session.executed):
+            source: Photos | None = WatchedFolder(photos, session) if photos else TypedPaths() if interactive else None
             guided = guide(folder, session, scene, source)
+        else:
+            folder.write_plan(scene)
+            folder.folder.write(PAGE, render_plan(scene))
         if json:
             print_json({"folder": str(folder.path)} | plan_document(scene, guided))
         else:
             out.print(f"written to {folder.path}, to look at: {folder.path / PAGE}", markup=False, soft_wrap=True)
-    return 0 if (guided.reached if guided else scene.solved) else 1
+    return 0 if (guided.reached if guided and (interactive or photos) else scene.solved) else 1
 
 
 def _print_plan(scene: PlannedScene) -> None:
