@@ -50,9 +50,7 @@ def plan(
 
     Exit codes: 0 there is a plan (interactive: the goal holds), 1 there is none, 2 bad input.
 
-    Examples:
-
-    pix2pred plan runs/tea --task data/tasks/monday
+    Examples: pix2pred plan runs/tea --task data/tasks/monday
 
     pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea
     """
