@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 from cli.hostile_lamps import Fake, sees, write_lamps
@@ -22,9 +23,19 @@ def _says(request: Request) -> str:
     return sees(request).replace("As seen.", f"As seen {BOMB}")
 
 
-def learn_lamps(root: Path, name: str = "run<img src=x onerror=boom>", demos: int = 2) -> RunFolder:
-    """A finished run with its report in ``root/name``. ``bright`` is never true, ``lit`` always right."""
-    project = read_project(write_lamps(root / "data", demos))
+def learn_lamps(
+    root: Path, name: str = "run<img src=x onerror=boom>", demos: int = 2, descriptor: str = ""
+) -> RunFolder:
+    """A finished run with its report in ``root/name``. ``bright`` is never true, ``lit`` always right.
+
+    ``descriptor`` is that of the robot.
+    """
+    data = write_lamps(root / "data", demos)
+    if descriptor:
+        sheet = (data / "domain.yaml").read_text()
+        robot = f"robby: {{type: robot, descriptor: {json.dumps(descriptor)}}}"
+        (data / "domain.yaml").write_text(sheet.replace("robby: {type: robot}", robot))
+    project = read_project(data)
     settings = resolve_settings(project, None)
     model = Fake(_says, _says, f"fake{BOMB}")
     with RunFolder(root / name).locked() as run:

@@ -30,6 +30,7 @@ ABOVE_THE_PIPELINE = LOWER | {"pipeline", "run_folder", "approach"}
 MAY_IMPORT |= {
     "pipeline": LOWER,
     "run_folder": {"structs"},
+    "plan_folder": LOWER | {"run_folder"},
     "film": {"structs"},
     "runs": LOWER | {"pipeline", "run_folder", "film"},
     "report": LOWER | {"pipeline", "run_folder", "runs"},
@@ -39,8 +40,10 @@ MAY_IMPORT |= {
     "baselines": ABOVE_THE_PIPELINE,
     "benchmark": ABOVE_THE_PIPELINE,
     "registry": LOWER | {"pipeline", "approach", "domains"},
+    "api": LOWER | {"pipeline", "run_folder", "runs", "report", "registry"},
     "cli": ABOVE_THE_PIPELINE
-    | {"runs", "film", "registry", "report", "review", "benchmark", "baselines", "parallel", "cli"},
+    | {"runs", "api", "plan_folder", "film", "registry", "report", "review", "benchmark", "baselines", "parallel"}
+    | {"cli"},
 }
 
 

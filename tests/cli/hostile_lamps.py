@@ -124,10 +124,10 @@ class Fake:
 
 def use(model: VLM) -> None:
     """Make the command line load ``model``, in this process for good."""
+    import pix2pred.api
     import pix2pred.cli.learn
-    import pix2pred.cli.solve
 
-    for module in (pix2pred.cli.learn, pix2pred.cli.solve):
+    for module in (pix2pred.api, pix2pred.cli.learn):
         module.__dict__["load_stored"] = behind_a_store(model)
 
 

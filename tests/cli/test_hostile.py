@@ -51,8 +51,8 @@ def model(monkeypatch: pytest.MonkeyPatch) -> Model:
 
     def set_model(**answers: Any) -> Any:
         fake = lamps.Fake(**answers)
-        for verb in ("learn", "solve"):
-            monkeypatch.setattr(f"pix2pred.cli.{verb}.load_stored", lamps.behind_a_store(fake))
+        for module in ("cli.learn", "api"):
+            monkeypatch.setattr(f"pix2pred.{module}.load_stored", lamps.behind_a_store(fake))
         return fake
 
     set_model()

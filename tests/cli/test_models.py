@@ -19,9 +19,11 @@ import pytest
 
 from cli.hostile_lamps import write_lamps
 from command_line import Cli
+from lamps_run import learn_lamps
 from pix2pred.learning.traces import load_traces
 from pix2pred.structs import Image
 from pix2pred.structs.views import HEADING_HEIGHT
+from pix2pred.vlm import Answer, AnswerStore, Request
 from vlm.fault_server import FaultServer, pictures
 
 KILLS = int(os.environ.get("PIX2PRED_KILLS", "2"))
@@ -441,3 +443,27 @@ def test_a_mailbox_is_answered_in_any_order_and_returns_what_it_cannot_read(
     )
     again = cli("learn", lamps, "--vlm", f"mailbox:{box}", "--out", tmp_path / "another", "--json")
     assert again.code == 0, "answers given once are found again"
+
+
+def test_what_a_model_says_cannot_command_the_terminal(cli: Cli, tmp_path: Path) -> None:
+    """Titles, colours, clipboard writes, cleared screens and reordered text are shown instead of obeyed."""
+    hostile = "* lit(l1)\n\x1b]0;owned\x07\x1b[2J\x1b]52;c;aGk=\x07\x9b31m\u202etxt.exe\r> ok\x00\tend"
+    store = AnswerStore(tmp_path)
+    store.put(Request("propose", ("what?\x1b[31m",), 10), "m\x1b[1m", Answer(hostile))
+    listed = cli("answers", "list", tmp_path).out
+    shown = cli("answers", "show", tmp_path, store.all_keys()[0][:8]).out
+    for text in (listed, shown):
+        assert not set(text) & {*map(chr, range(9)), *map(chr, range(11, 32)), "\x7f", "\x9b", "\u202e"}
+    assert "␛]0;owned" in shown and "what?␛[31m" in shown and "\\u202etxt.exe" in shown and "␍> ok" in shown
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--vlm", "offline"), ("--mode", "live"), ("--max-cost", "1"), ("--dry-run",), ("--votes", "3"), ("--out", "x")],
+)
+def test_learning_again_refuses_options_it_cannot_obey(cli: Cli, tmp_path: Path, options: tuple[str, ...]) -> None:
+    run = learn_lamps(tmp_path, "run")
+    before = {p: p.read_bytes() for p in run.path.rglob("*") if p.is_file()}
+    ran = cli("learn", "--resume", run.path, *options)
+    assert ran.code == 2 and f"leave out {options[0]}" in ran.err
+    assert {p: p.read_bytes() for p in run.path.rglob("*") if p.is_file()} == before

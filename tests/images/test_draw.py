@@ -17,10 +17,9 @@ import pix2pred.images.shown
 from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
 from pix2pred.images import ShownPictures, draw_view, encode_png, skill_crop
-from pix2pred.images.draw import FOOT_HEIGHT, HEADING_HEIGHT
 from pix2pred.images.png import pack, png_file
 from pix2pred.structs import Box, Image, Picture, Pixels, State
-from pix2pred.structs.views import View
+from pix2pred.structs.views import FOOT_HEIGHT, HEADING_HEIGHT, View
 
 GREY = np.full((200, 300, 3), 128, np.uint8)
 BOXES = {"cup": Box(40, 40, 80, 80), "box": Box(200, 100, 260, 160)}
@@ -201,7 +200,7 @@ def test_the_checksum_of_joined_strips_is_that_of_their_rows(heights: list[int],
 def test_shown_pictures_are_drawn_views_and_costly_work_is_done_once(monkeypatch: pytest.MonkeyPatch) -> None:
     decoded: list[str] = []
     drawn: list[View] = []
-    pixels_of, draw = Image.pixels, pix2pred.images.shown.draw_scene
+    pixels_of, draw = Image.pixels, pix2pred.images.draw.draw_scene
 
     def pixels(image: Image) -> Pixels:
         decoded.append(image.digest)

@@ -103,6 +103,18 @@ def test_hostile_texts_stay_texts(run: RunFolder) -> None:
     assert (review.count("script"), review.count("img")) == (3, 0)
 
 
+def test_markup_in_descriptors_names_and_answers_stays_text(tmp_path: Path) -> None:
+    """In the report, and in the page that ``pix2pred review`` serves."""
+    run = learn_lamps(tmp_path, f"<b onclick=boom>{BOMB.replace('/', '')}", descriptor=f"arm {BOMB}")
+    for text, scripts in (((run.path / REPORT).read_text(), 2), (render(load_contents(run), review=True), 3)):
+        parsed = Page(text)
+        assert (parsed.count("script"), parsed.count("img"), parsed.count("b")) == (scripts, 0, 0)
+        assert not any(name.startswith("on") for _, attributes in parsed.tags for name in attributes)
+        assert f"arm {BOMB}" in [o[2] for o in parsed.data["demos"][0]["objects"]]
+        assert any(BOMB in why for why in parsed.data["explanations"])
+        assert "onclick=boom&gt;" in text
+
+
 def test_corrections_reach_learning_and_the_report_shows_before_and_after(tmp_path: Path) -> None:
     run = learn_lamps(tmp_path)
     before = (run.path / "labels/as_said.json").read_bytes()

@@ -13,8 +13,10 @@ from typing import Any
 
 import pytest
 
+import pix2pred as p2p
+from cli.hostile_lamps import Fake, sees, write_lamps
 from extras import need
-from lamps_run import learn_lamps
+from lamps_run import BOMB, learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.report import REPORT
 from pix2pred.review import ReviewServer
@@ -171,6 +173,24 @@ def test_two_pages_see_each_other(browser: Any, page: Any, run: RunFolder, serve
         one.wait_for_selector('#d0 td.corrected[aria-label^="lit0(l2), state 2: false"]')
     assert len(saved(run)) == 2
     other.close()
+
+
+def test_the_page_of_a_plan_asks_for_nothing_and_runs_nothing(page: Any, tmp_path: Path) -> None:
+    folder = write_lamps(tmp_path / "lamps")
+    sheet = folder / "tasks/t0/task.yaml"
+    sheet.write_text(sheet.read_text().replace("{type: robot}", f"{{type: robot, descriptor: {json.dumps(BOMB)}}}"))
+    hostile = Fake(label=lambda request: sees(request).replace("As seen.", f"As seen {BOMB}"))
+    model = p2p.learn(folder, vlm=hostile)
+    path = tmp_path / "plan.html"
+    path.write_text(p2p.Model.explain(model.plan(folder / "tasks/t0")))
+    page.goto(path.resolve().as_uri())
+    assert "window.boom=1" in page.locator("#plan").inner_text()
+    page.locator("nav a", has_text="What it rests on").click()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.set_viewport_size({"width": 420, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert [url for url in page.asked if not url.startswith("data:")][:1] == [path.resolve().as_uri()]
+    assert all(url.startswith(("data:", "file:")) for url in page.asked)
 
 
 def test_a_large_report_is_small_and_quick(page: Any, run: RunFolder) -> None:

@@ -9,7 +9,7 @@ from cyclopts import App, Parameter
 from rich.markup import escape
 from rich.table import Table
 
-from pix2pred.cli.console import err, out, print_json
+from pix2pred.cli.console import err, out, plain, print_json
 from pix2pred.registry import RegistryError
 from pix2pred.vlm import AnswerStore
 from pix2pred.vlm.inspection import export as export_answers
@@ -65,7 +65,7 @@ def list_answers(
         table.add_column(column)
     for row in rows:
         cells = (str(row["key"])[:12], row["purpose"], row["model"], row["finish"], row["begins"])
-        table.add_row(*(escape(str(cell)) for cell in cells))
+        table.add_row(*(escape(plain(str(cell))) for cell in cells))
     out.print(table)
     out.print(f"{len(rows)} answers")
     return 0
@@ -80,11 +80,12 @@ def show(directory: Path, key: str, /) -> int:
     store = _store(directory)
     entry = find(store, key)
     asked = {name: entry.request[name] for name in ("temperature", "max_tokens", "sample", "attempt")}
-    out.print(f"{entry.purpose} query of {entry.model}, {asked}", markup=False)
+    out.print(plain(f"{entry.purpose} query of {entry.model}, {asked}"), markup=False)
     for part in entry.request["parts"]:
         shown = part if isinstance(part, str) else f"[{part['heading'] or 'picture'}: {store.blob(part['pixels'])}]"
-        out.print(f"\n{shown}", markup=False, soft_wrap=True)
-    out.print(f"\n--- answer ({entry.answer.finish.value}) ---\n{entry.answer.text}", markup=False, soft_wrap=True)
+        out.print(plain(f"\n{shown}"), markup=False, soft_wrap=True)
+    answer = plain(entry.answer.text)
+    out.print(f"\n--- answer ({entry.answer.finish.value}) ---\n{answer}", markup=False, soft_wrap=True)
     return 0
 
 
@@ -118,6 +119,6 @@ def verify(directory: Path, /, *, json: Annotated[bool, Parameter(help="Print on
         print_json({"answers": len(store.all_keys()), "problems": found})
     else:
         for problem in found:
-            out.print(problem, markup=False, soft_wrap=True)
+            out.print(plain(problem), markup=False, soft_wrap=True)
         out.print(f"{len(store.all_keys())} answers, " + (f"{len(found)} problem(s)" if found else "no problems"))
     return 2 if found else 0

@@ -21,6 +21,7 @@ from pix2pred.cli.doctor import doctor
 from pix2pred.cli.imports import imports
 from pix2pred.cli.init import init
 from pix2pred.cli.learn import learn
+from pix2pred.cli.plan import plan
 from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.review import review
 from pix2pred.cli.select import select
@@ -78,7 +79,7 @@ app = App(
     suppress_keyboard_interrupt=False,
     help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
 )
-for _verb in (init, demo, generate, check, schema, learn, review, solve, select, plan_pddl, doctor):
+for _verb in (init, demo, generate, check, schema, learn, review, solve, plan, select, plan_pddl, doctor):
     app.command(_verb)
 app.command(answers)
 app.command(imports)

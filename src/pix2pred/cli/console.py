@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -21,6 +22,9 @@ POSITIVE = validators.Number(gte=1)
 out = Console(highlight=False, emoji=False)
 err = Console(stderr=True, highlight=False, emoji=False)
 
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+"""Control characters, C1 included, and those that reorder text."""
+
 _STAGES = {
     "generate": "Drawing demonstrations",
     "propose": "Proposing predicates",
@@ -33,6 +37,19 @@ _STAGES = {
     "photos": "Copying photos",
     "import": "Taking pictures",
 }
+
+
+def plain(text: str) -> str:
+    """``text`` without what a terminal would obey: control characters are shown as pictures of themselves.
+
+    Line ends and tabs stay. Whatever a model or a file says passes through here before it is printed.
+    """
+    return _CONTROL.sub(_pictured, text)
+
+
+def _pictured(match: re.Match[str]) -> str:
+    code = ord(match[0])
+    return chr(0x2400 + code) if code < 0x20 else "\u2421" if code == 0x7F else f"\\u{code:04x}"
 
 
 class Bars:
@@ -72,17 +89,17 @@ def print_learned(metrics: Mapping[str, Any], operators: Sequence[Operator]) -> 
     """What was proposed, selected and learned."""
     table = Table(title="World model", title_justify="left", show_header=False, box=None)
     table.add_row("demonstrations", f"{metrics['demonstrations']} ({metrics['transitions']} skills)")
-    table.add_row("labels from", str(metrics["labels_from"]))
+    table.add_row("labels from", escape(plain(str(metrics["labels_from"]))))
     table.add_row("atoms proposed", f"{metrics['proposed']} usable, {metrics['rejected']} rejected")
     table.add_row("candidates", f"{metrics['candidates']} predicates")
-    table.add_row("selected", escape(", ".join(metrics["selected"]) or "none"))
+    table.add_row("selected", escape(plain(", ".join(metrics["selected"]) or "none")))
     table.add_row("J", " > ".join(f"{j:,.0f}" for j in metrics["J"]))
     table.add_row("operators", str(metrics["operators"]))
     if metrics["corrections"]:
         table.add_row("corrections", str(metrics["corrections"]))
     out.print(table)
     for warning in metrics["warnings"]:
-        out.print(f"  [yellow]warning:[/yellow] {escape(warning)}")
+        out.print(f"  [yellow]warning:[/yellow] {escape(plain(warning))}")
     for op in operators:
         out.print(f"  {op.name:<5} {op.skill.name}({', '.join(v.type.name for v in op.skill_args)})", style="dim")
 
@@ -94,7 +111,7 @@ def print_solved(summary: Mapping[str, Any]) -> None:
         table.add_column(column)
     for episode in summary["episodes"]:
         result = "[green]solved" if episode["solved"] else f"[red]{episode['failure']}"
-        table.add_row(escape(episode["task"]), result, str(len(episode["steps"])), escape(episode["detail"]))
+        table.add_row(escape(episode["task"]), result, str(len(episode["steps"])), escape(plain(episode["detail"])))
     out.print(table)
     out.print(f"solved {summary['solved']} of {summary['tasks']}")
 

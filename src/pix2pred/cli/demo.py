@@ -7,10 +7,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from pix2pred.api import load_solver
 from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, err, out, print_json, print_solved
 from pix2pred.cli.data import generate
 from pix2pred.cli.learn import resolve_settings, run_learning
-from pix2pred.cli.solve import load_solver, run_solving
+from pix2pred.cli.solve import run_solving
 from pix2pred.demos import read_project, read_tasks
 from pix2pred.registry import RegistryError
 from pix2pred.report import write_report

@@ -28,16 +28,16 @@ def learn(
     resume: Annotated[
         Path | None, Parameter(help="Learn again in this finished run, with its corrections; asks no model.")
     ] = None,
-    vlm: Annotated[str, Parameter(help=f"Model that proposes and labels: {FORMS}.")] = "offline",
+    vlm: Annotated[str | None, Parameter(help=f"Model that proposes and labels: {FORMS} [default: offline].")] = None,
     config: Annotated[Path | None, Parameter(help="YAML file with settings that differ from the defaults.")] = None,
     answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None,
     mode: Annotated[
-        StoreMode,
+        StoreMode | None,
         Parameter(
             help="live: ask; resume: ask what is not stored; retry: also what was refused or cut short; "
-            "replay: never ask."
+            "replay: never ask [default: resume]."
         ),
-    ] = StoreMode.RESUME,
+    ] = None,
     votes: Annotated[int | None, Parameter(help="Samples per labelling query; the majority decides.")] = None,
     concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=POSITIVE)] = None,
     longest_side: Annotated[
@@ -57,8 +57,17 @@ def learn(
     pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea
     """
     if resume is not None:
-        if data is not None or out is not None:
-            raise RegistryError("--resume RUN takes everything from the run folder; leave out DATA and --out")
+        given = {
+            "DATA": data, "--out": out, "--vlm": vlm, "--config": config, "--answers": answers, "--mode": mode,
+            "--votes": votes, "--concurrent": concurrent, "--max-requests": max_requests, "--max-cost": max_cost,
+            "--dry-run": dry_run or None,
+        }  # fmt: skip
+        unused = [name for name, value in given.items() if value is not None]
+        if unused:
+            raise RegistryError(
+                f"--resume RUN asks no model and takes everything from the run folder; leave out {', '.join(unused)}"
+                ", or learn into a new folder with --out"
+            )
         metrics = run_relearning(resume, quiet=json)
         if json:
             print_json(metrics)
@@ -69,6 +78,7 @@ def learn(
         raise RegistryError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
     project = read_project(data)
     settings = resolve_settings(project, config, votes, concurrent, longest_side)
+    vlm, mode = vlm or "offline", mode or StoreMode.RESUME
     if dry_run:
         return print_estimate(project, settings, vlm, AnswerStore(answers or out), as_json=json)
     metrics = run_learning(project, settings, vlm, out, answers, mode, Limits(max_requests, max_cost), quiet=json)

@@ -44,9 +44,7 @@ def plan_pddl(
 
     Exit codes: 0 a plan was found, 1 none was found, 2 bad input.
 
-    Examples:
-
-    pix2pred plan-pddl domain.pddl problem.pddl --planner astar-lmcut --out plan.txt
+    Examples: pix2pred plan-pddl domain.pddl problem.pddl --planner astar-lmcut --out plan.txt
 
     pix2pred plan-pddl domain.pddl problem.pddl --planner fast-downward --time-limit 60
     """

@@ -8,23 +8,18 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
-from pydantic import ValidationError
 
+from pix2pred.api import load_solver
 from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, out, print_json, print_solved
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.film import Film
-from pix2pred.learning.samplers_file import load_samplers
-from pix2pred.pipeline import Settings
-from pix2pred.predicates import Labeller
-from pix2pred.registry import RegistryError, check_family, load_domain, load_planner, load_stored, word_truth
+from pix2pred.registry import RegistryError, check_family, load_domain, word_truth
 from pix2pred.report import write_report
-from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.runs import MODEL, SAMPLERS, solve_into
+from pix2pred.run_folder import RunFolder
+from pix2pred.runs import solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
-from pix2pred.structs.model_file import load_model
-from pix2pred.vlm import AnswerStore
 
 
 def solve(
@@ -70,28 +65,6 @@ def solve(
     else:
         print_solved(summary)
     return 0 if summary["solved"] == summary["tasks"] else 1
-
-
-def load_solver(folder: RunFolder, planner: str, *, closed_loop: bool = False) -> tuple[Solver, dict[str, Any]]:
-    """A solver with the model, labeller and answer store of a run, and the run's configuration."""
-    config = folder.config()
-    if not (folder.path / MODEL).exists():
-        raise RunFolderError(
-            f"{folder.path / MODEL}: there is no world model yet; finish learning with 'pix2pred learn' first"
-        )
-    model = load_model(folder.path / MODEL)
-    try:
-        settings = Settings.model_validate(config["settings"])
-        answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
-        vlm = load_stored(config["vlm"], config["simulator"].get("domain"), answers, flow=settings.flow)
-        labelled_by = str(config["model"])
-    except (KeyError, TypeError, AttributeError, ValidationError) as error:
-        raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
-    if vlm.name != labelled_by:
-        raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {config['vlm']!r} is now {vlm.name}")
-    labeller = Labeller(vlm, settings.labels)
-    samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
-    return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
 
 
 def run_solving(

@@ -150,13 +150,14 @@ def collect_tasks(
 ) -> tuple[StoredTask, ...]:
     """Read the tasks that can be read; problems go to ``found``."""
     folders = named_folders(directory / TASKS, TASK, found)
-    tasks = [_read_task(folder, directory, declared, found, warned) for folder in folders]
+    tasks = [read_one_task(folder, directory, declared, found, warned) for folder in folders]
     return tuple(task for task in tasks if task)
 
 
-def _read_task(
+def read_one_task(
     folder: Path, root: Path, declared: Declared | None, found: list[Problem], warned: list[Problem] | None
 ) -> StoredTask | None:
+    """The task in ``folder``; files must lie inside ``root``. None, with problems in ``found``, if it is unsound."""
     simulator = _read_simulator(folder / SIMULATOR, root, found)
     loaded = load_document(folder / TASK, root, TaskDoc, found)
     if loaded is None or declared is None:

@@ -155,13 +155,14 @@ class Scene:
             self._sheet.report((*loc, "pictures"), message)
         pictures = []
         for camera in (c for c in self._cameras if c in paths):
-            boxes = self._boxes((*loc, "pictures", camera), (doc.pictures or {}).get(camera, {}))
+            boxes = self.boxes((*loc, "pictures", camera), (doc.pictures or {}).get(camera, {}))
             pictures.append(Picture(camera, Image(paths[camera]), boxes))
         if self._check is not None:
             self._check.look({p.camera: Shown(paths[p.camera], p.boxes) for p in pictures}, loc)
         return tuple(pictures)
 
-    def _boxes(self, loc: Loc, docs: Mapping[str, tuple[float, ...]]) -> dict[str, Box]:
+    def boxes(self, loc: Loc, docs: Mapping[str, tuple[float, ...]]) -> dict[str, Box]:
+        """The boxes of the file's entry ``docs`` at ``loc``, by object."""
         boxes = {}
         for name, (left, top, right, bottom) in docs.items():
             if name not in self._objects:

@@ -135,7 +135,7 @@ def _objects_doc(objects: Iterable[Object]) -> dict[str, Any]:
 
 def _write_demo(folder: Path, demo: Demo, shared: Mapping[str, Object]) -> None:
     listed = all(shared.get(o.name) == o for o in demo.objects)
-    states = [_write_state(folder / IMAGES / str(t), state, demo.objects) for t, state in enumerate(demo.states)]
+    states = [write_state(folder / IMAGES / str(t), state, demo.objects) for t, state in enumerate(demo.states)]
     doc = {
         "format": DemoDoc.FORMAT,
         "version": VERSION,
@@ -154,15 +154,15 @@ def _write_task(folder: Path, simulated: SimulatedTask) -> None:
         "version": VERSION,
         "objects": _objects_doc(task.objects),
         "goal": [str(atom) for atom in task.goal],
-        "state": _write_state(folder / IMAGES / "0", task.initial, task.objects),
+        "state": write_state(folder / IMAGES / "0", task.initial, task.objects),
     }
     _write_yaml(folder / TASK, doc)
     text = json.dumps(simulated.simulator, indent=1, sort_keys=True, allow_nan=False)
     (folder / SIMULATOR).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 
-def _write_state(images: Path, state: State, objects: Sequence[Object]) -> dict[str, Any]:
-    """Write the pictures of ``state``; returns the rest of it."""
+def write_state(images: Path, state: State, objects: Sequence[Object]) -> dict[str, Any]:
+    """Write the pictures of ``state`` into the folder ``images``; returns the rest of it, as a file holds it."""
     doc: dict[str, Any] = {}
     if state.features:
         ordered = [o for o in objects if o in state.features]

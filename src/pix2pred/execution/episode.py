@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from pix2pred.execution.monitor import necessary_atoms
 from pix2pred.execution.parameters import Parameters, executed
+from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, Pursuit, changes
 from pix2pred.predicates import Abstraction
-from pix2pred.structs import AbstractState, Action, Atom, ExecutedStep, GroundOperator, PlanResult, PlanStatus
+from pix2pred.structs import AbstractState, Action, Atom, ExecutedStep, GroundOperator, PlanResult
 from pix2pred.structs.environment import Environment, StepStatus
 
 
@@ -53,7 +53,7 @@ class ClosedLoop:
 
     plan_from: Callable[[AbstractState], PlanResult]
     goal: Sequence[Atom]
-    max_replans: int = 30
+    max_replans: int = MAX_REPLANS
 
     def run(
         self,
@@ -65,44 +65,26 @@ class ClosedLoop:
     ) -> Outcome:
         """Execute ``plan``, made in the state ``seen``, with which ``abstraction`` was started."""
         steps: list[ExecutedStep] = []
-        failures: set[tuple[AbstractState, str]] = set()
-        replans = position = 0
-        needed = necessary_atoms(plan, self.goal)
+        pursuit = Pursuit(self.plan_from, self.goal, plan, self.max_replans)
 
         def failed(how: StepStatus | None, why: str) -> Outcome:
-            return Outcome(False, how, why, tuple(steps), replans)
+            return Outcome(False, how, why, tuple(steps), pursuit.replans)
 
         if environment.goal_reached():
             return Outcome(True, None, "", ())
-        while True:
-            if not needed[position] <= seen:
-                if replans >= self.max_replans:
-                    return failed(None, f"gave up after planning again {replans} times")
-                found = self.plan_from(seen)
-                replans += 1
-                if found.status != PlanStatus.SOLVED:
-                    missing = ", ".join(str(a) for a in sorted(needed[position] - seen)[:3])
-                    return failed(None, f"no plan any more ({found.status}) after {missing} turned out not to hold")
-                plan, position = found.plan, 0
-                needed = necessary_atoms(plan, self.goal)
-            if position == len(plan):
-                return failed(None, "the goal seems to hold but does not")
-            operator = plan[position]
-            action, draw = parameters.choose(operator, environment)
-            step = environment.execute(action)
-            steps.append(executed(operator, action, draw, step))
-            if environment.goal_reached():
-                return Outcome(True, None, "", tuple(steps), replans)
-            if step.status == StepStatus.HORIZON:
-                return failed(step.status, step.detail)
-            before, seen = seen, abstraction.advance(action, environment.observe())
-            steps[-1] = replace(steps[-1], observed=_changes(before, seen))
-            if step.status != StepStatus.DONE or not operator.add <= seen:
-                if (before, str(action)) in failures:
-                    return failed(StepStatus.STUCK, f"{action} failed again in a state that looks the same")
-                failures.add((before, str(action)))
-            position += 1
-
-
-def _changes(before: AbstractState, after: AbstractState) -> tuple[str, ...]:
-    return (*(f"+{a}" for a in sorted(after - before)), *(f"-{a}" for a in sorted(before - after)))
+        try:
+            while (operator := pursuit.next(seen)) is not None:
+                action, draw = parameters.choose(operator, environment)
+                step = environment.execute(action)
+                steps.append(executed(operator, action, draw, step))
+                if environment.goal_reached():
+                    return Outcome(True, None, "", tuple(steps), pursuit.replans)
+                if step.status == StepStatus.HORIZON:
+                    return failed(step.status, step.detail)
+                before, seen = seen, abstraction.advance(action, environment.observe())
+                steps[-1] = replace(steps[-1], observed=changes(before, seen))
+                succeeded = step.status == StepStatus.DONE and operator.add <= seen
+                pursuit.executed(str(action), before, succeeded=succeeded)
+        except GivenUpError as error:
+            return failed(StepStatus.STUCK if error.stuck else None, str(error))
+        return failed(None, "the goal seems to hold but does not")

@@ -34,9 +34,9 @@ class Solver:
 
     def plan(self, task: Task) -> tuple[AbstractState, PlanResult]:
         """What is seen of the initial state, and the plan made from it. Needs no simulator."""
-        task = self._in_our_words(task)
-        seen = self._abstraction(task).start(task.initial)
-        return seen, self._plan_from(task, seen)
+        task = self.in_our_words(task)
+        seen = self.abstraction(task).start(task.initial)
+        return seen, self.plan_from(task, seen)
 
     def solve(
         self,
@@ -50,13 +50,13 @@ class Solver:
         ``announce`` is told every step before it is run.
         """
         environment.reset()
-        task = self._in_our_words(task)
-        abstraction = self._abstraction(task)
+        task = self.in_our_words(task)
+        abstraction = self.abstraction(task)
         seen = abstraction.start(task.initial)
-        result = self._plan_from(task, seen)
+        result = self.plan_from(task, seen)
         outcome = None
         if result.status == PlanStatus.SOLVED and self.closed_loop:
-            loop = ClosedLoop(lambda now: self._plan_from(task, now), task.goal)
+            loop = ClosedLoop(lambda now: self.plan_from(task, now), task.goal)
             outcome = loop.run(result.plan, seen, abstraction, environment, self._parameters(task, announce))
         elif result.status == PlanStatus.SOLVED:
             outcome = open_loop(result.plan, environment, self._parameters(task, announce))
@@ -76,19 +76,21 @@ class Solver:
             outcome.replans if outcome else 0,
         )
 
-    def _in_our_words(self, task: Task) -> Task:
+    def in_our_words(self, task: Task) -> Task:
         """``task`` with its goal over the model's predicates: a simulator knows their names, not their sources."""
         known = {p.name: p for p in self.model.predicates}
         goal = tuple(Atom(known.get(a.predicate.name, a.predicate), a.objects) for a in task.goal)
         return Task(task.name, task.objects, task.initial, goal)
 
-    def _abstraction(self, task: Task) -> Abstraction:
+    def abstraction(self, task: Task) -> Abstraction:
+        """What labels the states of one episode of ``task``."""
         return Abstraction(task.objects, self.model.predicates, self.labeller)
 
     def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
         return Parameters.for_task(self.samplers, self.seed, task, announce)
 
-    def _plan_from(self, task: Task, seen: AbstractState) -> PlanResult:
+    def plan_from(self, task: Task, seen: AbstractState) -> PlanResult:
+        """A plan for ``task``, which is in the model's words, from the state ``seen``."""
         found = self.planner.plan(self.model.operators, task.objects, seen, task.goal)
         if len(found.plan) > self.max_skills:
             return PlanResult(PlanStatus.BUDGET, (), found.nodes, found.seconds)
@@ -121,7 +123,7 @@ class Solver:
             cause = Failure.NO_PLAN if outcome is None else Failure.SKILL if outcome.failure else Failure.UNDETERMINED
             return cause, detail, ()
         named = tuple(f"{atom} is {value}" for atom, value in sorted(errors.items()))
-        better = self._plan_from(task, correct_labels(seen, errors)) if errors else result
+        better = self.plan_from(task, correct_labels(seen, errors)) if errors else result
         if better.status not in (PlanStatus.SOLVED, PlanStatus.UNSOLVABLE):
             return Failure.UNDETERMINED, detail, named
         helps = (

@@ -9,7 +9,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
-from pix2pred.structs import AbstractState, Atom, LiftedAtom, Object, Operator, Predicate, Type, Variable, WorldModel
+from pix2pred.structs import (
+    AbstractState,
+    Atom,
+    GroundOperator,
+    LiftedAtom,
+    Object,
+    Operator,
+    Predicate,
+    Type,
+    Variable,
+    WorldModel,
+)
 
 
 class PddlNames:
@@ -66,6 +77,21 @@ def write_problem(
         f"{table}(define (problem {names.form('problem', name)})\n"
         f" (:domain {names.form('domain', model.vocabulary.name)})\n"
         f" (:objects\n{things}\n )\n (:init\n{facts}\n )\n (:goal (and {wanted}))\n)\n"
+    )
+
+
+def write_plan(model: WorldModel, objects: Iterable[Object], plan: Iterable[GroundOperator]) -> str:
+    """A plan as planning competitions write it, one ``(action object ...)`` a line, with the names of the files above.
+
+    ``objects`` are all of the task, as given to ``write_problem``.
+    """
+    names = PddlNames()
+    write_domain(model, names)
+    for o in sorted(objects):
+        names.form("object", o.name)
+    return "".join(
+        f"({' '.join((names.form('action', s.operator.name), *(names.form('object', o.name) for o in s.objects)))})\n"
+        for s in plan
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from pix2pred.predicates.asking import READ
 from pix2pred.predicates.initial import is_asked, local_values
@@ -49,6 +49,17 @@ class Abstraction:
             about = f"episode, state {step.t}"
             self._labels = self._labeller.next(step, self._objects, self._asked, double_check=False, about=about)
         return self._held()
+
+    def relist(self, given: Iterable[Atom]) -> AbstractState:
+        """The atoms that hold in the latest state if ``given`` is what is listed there."""
+        latest = self._states[-1]
+        self._states[-1] = self._in_our_words(State(latest.pictures, latest.features, frozenset(given)))
+        return self._held()
+
+    @property
+    def labels(self) -> StateLabels:
+        """What the model said about the latest state."""
+        return self._labels
 
     def _in_our_words(self, state: State) -> State:
         """``state`` with given atoms over the model's predicates: a simulator knows their names, not their sources."""

@@ -40,17 +40,17 @@ def render(contents: Contents, *, review: bool = False) -> str:
     data["review"] = review
     data["corrections"] = as_json(contents.corrections)
     data["learned"] = int(contents.metrics.get("corrections", 0))
-    scripts = [_asset(name) for name in SCRIPTS[: 2 if review else 1]]
+    scripts = [asset(name) for name in SCRIPTS[: 2 if review else 1]]
     settings = contents.config["settings"]["learning"]
     threshold = settings["j_threshold"] if settings["early_stop"] == "level" else None
     operators = {op.name: op for op in contents.model.operators}
-    template = _environment().get_template("page.html.j2")
+    template = environment().get_template("page.html.j2")
     return template.render(
         c=contents,
         version=__version__,
         name=_name(contents),
         review=review,
-        style=Markup(_asset("style.css")),
+        style=Markup(asset("style.css")),
         scripts=[Markup(s) for s in scripts],
         policy=_policy(scripts, review=review),
         data=Markup(_safe_json(data)),
@@ -86,19 +86,21 @@ def as_json(corrections: Corrections) -> dict[str, Any]:
     }
 
 
-def _environment() -> Environment:
-    environment = Environment(
+def environment() -> Environment:
+    """What fills in the templates of this room; it escapes everything."""
+    made = Environment(
         loader=PackageLoader("pix2pred.report"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["thousands"] = lambda x: f"{x:,.0f}"
-    return environment
+    made.filters["thousands"] = lambda x: f"{x:,.0f}"
+    return made
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """A file beside the templates."""
     return (files("pix2pred.report") / "templates" / name).read_text(encoding="utf-8")
 
 

@@ -1,0 +1,162 @@
+"""The whole job in a few calls, for notebooks and scripts: read, learn, look at the operators, plan.
+
+Thin over the library, as the command line is; whoever needs more calls ``pipeline``, ``execution`` and ``runs``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from pix2pred.demos import Project, StoredTask, read_project, read_task
+from pix2pred.execution import PlannedScene, Solver, plan_scene
+from pix2pred.learning.samplers_file import load_samplers
+from pix2pred.pipeline import Learned, Progress, Settings, silent
+from pix2pred.pipeline import learn as learn_world
+from pix2pred.planning.pddl_write import write_domain
+from pix2pred.predicates import Labeller
+from pix2pred.registry import check_family, load_domain, load_planner, load_stored, load_vlm
+from pix2pred.report.plan_page import render_plan
+from pix2pred.run_folder import RunFolder, RunFolderError
+from pix2pred.runs import MODEL, SAMPLERS
+from pix2pred.structs import Operator, Predicate, Task, WorldModel
+from pix2pred.structs import model_file as files
+from pix2pred.vlm import VLM, AnswerStore
+
+
+@dataclass(frozen=True)
+class Model:
+    """A learned world model together with the vision-language model that labels new scenes for it.
+
+    ``learned`` holds proposals, labels and the course of selection; it is None for a model read from a run folder.
+    """
+
+    solver: Solver
+    learned: Learned | None = None
+
+    @property
+    def world(self) -> WorldModel:
+        """Vocabulary, selected predicates and operators."""
+        return self.solver.model
+
+    @property
+    def selected(self) -> tuple[Predicate, ...]:
+        """The predicates that were invented and kept."""
+        return self.world.selected
+
+    @property
+    def operators(self) -> tuple[Operator, ...]:
+        """The learned operators; printing one shows its preconditions and effects."""
+        return self.world.operators
+
+    @property
+    def pddl(self) -> str:
+        """The PDDL domain."""
+        return write_domain(self.world)
+
+    def plan(self, task: Path | str | Task | StoredTask) -> PlannedScene:
+        """Label the photos of a task, given as such or by its folder, and plan.
+
+        ``result.status`` of what is returned says whether there is a plan, ``actions`` lists it, ``rests_on`` the
+        atoms of the photos it needs; ``missing`` and ``unlabelled`` say why there is none. Raises ``FolderError`` for
+        a folder that cannot be read, and ``VLMError`` when the model cannot be asked.
+        """
+        if isinstance(task, str | Path):
+            task = read_task(Path(task), self.world.vocabulary)
+        return plan_scene(self.solver, task.task if isinstance(task, StoredTask) else task)
+
+    @staticmethod
+    def explain(scene: PlannedScene) -> str:
+        """One HTML page that says which labels a plan rests on."""
+        return render_plan(scene)
+
+
+def read_data(folder: Path | str) -> Project:
+    """The vocabulary and demonstrations of a project folder. Raises ``FolderError`` with every problem in it."""
+    return read_project(Path(folder))
+
+
+def generate(domain: str, family: str | None = None, seed: int = 0, demos: Sequence[int] | None = None) -> Project:
+    """Demonstrations drawn by a simulated domain, all or those with the numbers ``demos``.
+
+    Raises ``UnknownNameError`` for a domain or family that does not exist.
+    """
+    made = load_domain(domain)
+    chosen = family or made.families[0]
+    check_family(made, chosen)
+    drawn = made.demonstrations(chosen, seed)
+    kept = drawn if demos is None else [drawn[i] for i in demos]
+    simulator = {"domain": domain, "family": chosen}
+    return Project(made.vocabulary(chosen), tuple(kept), made.settings(chosen), simulator)
+
+
+def learn(
+    data: Project | Path | str,
+    vlm: str | VLM = "offline",
+    *,
+    answers: Path | str | None = None,
+    settings: Settings | None = None,
+    planner: str = "portfolio",
+    progress: Progress = silent,
+) -> Model:
+    """Learn a world model from a project, or from the folder of one.
+
+    ``vlm`` is a name as for ``pix2pred learn --vlm``, or any object that answers requests. ``answers`` is a folder that
+    keeps every answer, so that nothing is asked twice; without one, answers are forgotten. ``settings`` are by default
+    those of the project. Raises what ``pipeline.learn`` raises, and ``RegistryError`` for a name nobody knows.
+    """
+    project = data if isinstance(data, Project) else read_data(data)
+    chosen = settings or Settings.model_validate({"learning": dict(project.learning)})
+    model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
+    learned = learn_world(project.vocabulary, project.demos, model, chosen, progress)
+    labeller = Labeller(model, chosen.labels)
+    return Model(Solver(learned.model, load_planner(planner), labeller, samplers=learned.samplers), learned)
+
+
+def load_model(run: Path | str, vlm: str | None = None, planner: str = "portfolio") -> Model:
+    """The model of a run folder; ``vlm`` is another way to the model that labelled it, such as ``replay:DIR``.
+
+    Raises ``RunFolderError`` for a folder without a finished run, or when ``vlm`` is another model.
+    """
+    solver, _ = load_solver(RunFolder(Path(run)), planner, vlm=vlm)
+    return Model(solver)
+
+
+def load_solver(
+    folder: RunFolder, planner: str, *, closed_loop: bool = False, vlm: str | None = None
+) -> tuple[Solver, dict[str, Any]]:
+    """A solver with the model, labeller and answer store of a run, and the run's configuration.
+
+    ``vlm`` is another way to reach the same model, such as ``replay:DIR``. Raises ``RunFolderError``.
+    """
+    config = folder.config()
+    if not (folder.path / MODEL).exists():
+        raise RunFolderError(
+            f"{folder.path / MODEL}: there is no world model yet; finish learning with 'pix2pred learn' first"
+        )
+    model = files.load_model(folder.path / MODEL)
+    try:
+        settings = Settings.model_validate(config["settings"])
+        answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
+        spec = vlm or config["vlm"]
+        stored = load_stored(spec, config["simulator"].get("domain"), answers, flow=settings.flow)
+        labelled_by = str(config["model"])
+    except (KeyError, TypeError, AttributeError, ValidationError) as error:
+        raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
+    if stored.name != labelled_by:
+        raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
+    labeller = Labeller(stored, settings.labels)
+    samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
+    return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
+
+
+def _vlm(vlm: str | VLM, domain: str | None, answers: Path | None, settings: Settings) -> VLM:
+    if not isinstance(vlm, str):
+        return vlm
+    if answers is None and not vlm.startswith("replay:"):
+        return load_vlm(vlm, domain, settings.flow)
+    return load_stored(vlm, domain, AnswerStore(answers or Path()), flow=settings.flow)  # a replay brings its own store

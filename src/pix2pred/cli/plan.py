@@ -1,0 +1,101 @@
+"""``plan``: from the photo of a new scene to a plan, and to its execution by a person."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pix2pred.api import load_solver
+from pix2pred.cli.console import err, out, plain, print_json
+from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_missing
+from pix2pred.demos import read_task
+from pix2pred.execution import PlannedScene, plan_scene
+from pix2pred.execution.wording import in_words
+from pix2pred.plan_folder import PAGE, PlanFolder, plan_document
+from pix2pred.report.plan_page import render_plan
+from pix2pred.run_folder import RunFolder
+from pix2pred.structs import PlanStatus
+
+_NO_PLAN = {
+    PlanStatus.UNSOLVABLE: "no plan: the goal cannot be reached from what was seen",
+    PlanStatus.BUDGET: "no plan within the budget of the search; try --planner gbfs-ff",
+    PlanStatus.NOT_FOUND: "no plan: the planner gave up without a proof that there is none",
+    PlanStatus.TIMEOUT: "no plan: the planner was stopped",
+}
+
+
+def plan(
+    run: Path,
+    /,
+    *,
+    task: Annotated[Path, Parameter(help="Folder of the task: task.yaml with objects and goal, images/0 with photos.")],
+    out_dir: Annotated[Path | None, Parameter(name="--out", help="Folder to write [default: RUN/plans/TASK].")] = None,
+    vlm: Annotated[
+        str | None, Parameter(help="Another way to the model that labelled the run, e.g. replay:DIR or mailbox:DIR.")
+    ] = None,
+    planner: Annotated[
+        str, Parameter(help="portfolio, astar-lmcut, gbfs-ff, or an engine of the extra 'planners'.")
+    ] = "portfolio",
+    interactive: Annotated[bool, Parameter(help="Execute the plan with me: name each skill, look at a photo.")] = False,
+    photos: Annotated[Path | None, Parameter(help="Take the photos from this folder as they appear there.")] = None,
+    retake: Annotated[bool, Parameter(help="Forget the last photo of an interrupted execution.")] = False,
+    json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+) -> int:
+    """Label the photos of a new scene, plan, and write plan, PDDL, and a page that explains what the plan rests on.
+
+    With --interactive the plan is executed by you: each skill is named, the photo you take after it is labelled,
+    compared with what was expected, and the plan made anew when it has to be. Ctrl-C stops; the same command goes on.
+
+    Exit codes: 0 there is a plan (interactive: the goal holds), 1 there is none, 2 bad input.
+
+    Examples: pix2pred plan runs/tea --task data/tasks/monday
+
+    pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea
+    """
+    RunFolder(run).config()
+    solver, config = load_solver(RunFolder(run), planner, vlm=vlm)
+    stored = read_task(task, solver.model.vocabulary)
+    spec = vlm or config["vlm"]
+    if spec.startswith("mailbox:"):
+        err.print(f"Questions wait for answers in {spec.partition(':')[2]}. Ctrl-C stops.", markup=False)
+    with PlanFolder.locked(out_dir or run / "plans" / stored.task.name) as folder:
+        session = folder.session(stored.task, solver.model, solver.labeller.vlm.name, retake=retake)
+        scene = plan_scene(solver, stored.task)
+        if not json:
+            _print_plan(scene)
+        guided = None
+        if scene.solved and (interactive or photos or session.executed):
+            source: Photos | None = WatchedFolder(photos, session) if photos else TypedPaths() if interactive else None
+            guided = guide(folder, session, scene, source)
+        else:
+            folder.write_plan(scene)
+            folder.folder.write(PAGE, render_plan(scene))
+        if json:
+            print_json({"folder": str(folder.path)} | plan_document(scene, guided))
+        else:
+            out.print(f"written to {folder.path}, to look at: {folder.path / PAGE}", markup=False, soft_wrap=True)
+    return 0 if (guided.reached if guided and (interactive or photos) else scene.solved) else 1
+
+
+def _print_plan(scene: PlannedScene) -> None:
+    name = plain(scene.task.name)
+    if scene.solved:
+        steps = len(scene.result.plan)
+        out.print(f"{name}: a plan of {steps} skills" if steps else f"{name}: the goal holds already", markup=False)
+        for number, step in enumerate(scene.result.plan, start=1):
+            out.print(f"{number:>3}  {plain(in_words(step))}", markup=False, soft_wrap=True)
+        out.print(f"It rests on {len(scene.rests_on)} atoms of the first look.", markup=False)
+    else:
+        out.print(f"{name}: {_NO_PLAN[scene.result.status]}", markup=False)
+        print_missing(scene.missing)
+        if scene.result.status == PlanStatus.UNSOLVABLE and not scene.missing:
+            out.print("     Every goal atom can be reached for itself, but not all of them together.")
+    if scene.unlabelled:
+        atoms = ", ".join(str(a) for a in scene.unlabelled[:5])
+        more = f" and {len(scene.unlabelled) - 5} more" if len(scene.unlabelled) > 5 else ""
+        out.print(plain(f"     No label, taken for false: {atoms}{more}"), markup=False, soft_wrap=True)
+    if scene.would_help:
+        atoms = ", ".join(str(a) for a in scene.would_help)
+        out.print(plain(f"     There would be a plan if these hold: {atoms}"), markup=False, soft_wrap=True)

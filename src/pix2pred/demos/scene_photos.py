@@ -1,0 +1,142 @@
+"""One scene at a time: the folder of a single task, and photos taken while somebody executes a plan.
+
+A photo may have a YAML file of the same name beside it (``0012.jpg``, ``0012.yaml``), a folder of photos, one per
+camera, a file ``state.yaml``. It is written like a state of ``demo.yaml``, and may hold ``given``, ``features`` and,
+for the cameras, boxes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from pix2pred.demos.declared import Declared, resolve_objects
+from pix2pred.demos.documents import DomainDoc, Sheet, StateDoc, load_document
+from pix2pred.demos.folders import DOMAIN, MISSING, TASKS, refusal
+from pix2pred.demos.pictures import ENDINGS, load_picture
+from pix2pred.demos.problems import FolderError, Problem, in_reading_order
+from pix2pred.demos.read import StoredTask, read_one_task
+from pix2pred.demos.scenes import Scene
+from pix2pred.demos.yaml_lines import LinedData, YamlError, parse_yaml
+from pix2pred.structs import Image, Picture, PictureError, State, Task, Vocabulary
+
+STATE = "state.yaml"
+
+
+@dataclass(frozen=True, slots=True)
+class Photographed:
+    """A state as photographed; ``told``: somebody listed its given atoms, so that those not listed do not hold."""
+
+    state: State
+    told: bool
+
+
+def read_task(folder: Path, vocabulary: Vocabulary) -> StoredTask:
+    """Read the folder of one task, with the objects that the ``domain.yaml`` of its project declares, if any.
+
+    Raises ``FolderError`` with every problem found.
+    """
+    found: list[Problem] = []
+    folder = folder.absolute()
+    project = folder.parent.parent if folder.parent.name == TASKS else folder
+    declared = Declared(vocabulary, {})
+    if refusal(project / DOMAIN, project) != MISSING and (
+        loaded := load_document(project / DOMAIN, project, DomainDoc, found)
+    ):
+        broken: set[str] = set()
+        objects = resolve_objects(loaded[0], loaded[1].objects, {t.name: t for t in vocabulary.types}, broken)
+        declared = Declared(vocabulary, objects, frozenset(broken))
+    task = read_one_task(folder, folder, declared, found, warned=[])
+    if task is not None and not task.task.initial.pictures:
+        found.append(Problem(folder / "images" / "0", None, "holds no photo (PNG or JPEG) of the scene"))
+    if found or task is None:
+        raise FolderError(in_reading_order(found))
+    return task
+
+
+def read_photo(path: Path, task: Task, vocabulary: Vocabulary) -> Photographed:
+    """Read a photo, or a folder with one photo per camera, of the objects of ``task``.
+
+    Raises ``FolderError`` with every problem found, also when the cameras are not those of the task.
+    """
+    cameras = [picture.camera for picture in task.initial.pictures]
+    files, beside = _files(path, cameras)
+    found: list[Problem] = []
+    for file in files.values():
+        try:
+            load_picture(file)
+        except PictureError as error:
+            found.append(Problem(file, None, str(error).removeprefix(f"{file}: ")))
+    sheet, doc = Sheet(path, LinedData({}, {(): 1}), found), StateDoc()
+    if beside is not None:
+        sheet, doc = _beside(beside, found)
+    unknown = sorted(set(doc.pictures or ()) - set(cameras))
+    if unknown:
+        sheet.report(("pictures", unknown[0]), f"there is no camera {unknown[0]!r}; the task has {', '.join(cameras)}")
+    scene = _scene(sheet, task, vocabulary)
+    rest = scene.state((), doc.model_copy(update={"pictures": None}), path.parent / ".no pictures")
+    boxes = {c: scene.boxes(("pictures", c), (doc.pictures or {}).get(c, {})) for c in cameras}
+    if found:
+        raise FolderError(in_reading_order(found))
+    pictures = tuple(Picture(c, Image(files[c]), boxes[c]) for c in cameras)
+    return Photographed(State(pictures, rest.features, rest.given), "given" in doc.model_fields_set)
+
+
+def state_from_doc(data: Any, images: Path, task: Task, vocabulary: Vocabulary) -> State:
+    """The state that ``write_state`` wrote to ``images`` and gave as ``data``. Raises ``FolderError``."""
+    found: list[Problem] = []
+    sheet = Sheet(images, LinedData(data, {(): 1}), found)
+    try:
+        doc = StateDoc.model_validate(data)
+        state = _scene(sheet, task, vocabulary).state((), doc, images)
+    except ValidationError as error:
+        raise FolderError([Problem(images, None, f"what was kept of this state is damaged ({error})")]) from error
+    if found:
+        raise FolderError(found)
+    return state
+
+
+def _scene(sheet: Sheet, task: Task, vocabulary: Vocabulary) -> Scene:
+    scene = Scene(sheet, Declared(vocabulary, {o.name: o for o in task.objects}), sheet.file.parent)
+    scene.objects([o.name for o in task.objects])
+    return scene
+
+
+def _files(path: Path, cameras: list[str]) -> tuple[dict[str, Path], Path | None]:
+    """The picture of every camera, and the YAML file beside them if there is one."""
+    if path.is_dir():
+        files = {}
+        for camera in cameras:
+            there = [path / f"{camera}{ending}" for ending in ENDINGS if (path / f"{camera}{ending}").is_file()]
+            if len(there) != 1:
+                what = (
+                    f"holds {'no' if not there else 'more than one'} photo of camera {camera!r} ({camera}.png or .jpg)"
+                )
+                raise FolderError([Problem(path, None, what)])
+            files[camera] = there[0]
+        beside = path / STATE
+    elif len(cameras) > 1:
+        what = f"the task has the cameras {', '.join(cameras)}; give a folder with a photo of each, named after it"
+        raise FolderError([Problem(path, None, what)])
+    elif not path.is_file():
+        raise FolderError([Problem(path, None, "does not exist")])
+    else:
+        files, beside = {cameras[0]: path}, path.with_suffix(".yaml")
+    return files, beside if beside.is_file() else None
+
+
+def _beside(path: Path, found: list[Problem]) -> tuple[Sheet, StateDoc]:
+    try:
+        lined = parse_yaml(path.read_bytes())
+        return Sheet(path, lined, found), StateDoc.model_validate(lined.data or {})
+    except YamlError as error:
+        problem = Problem(path, error.line, error.message)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        problem = Problem(path, lined.line(first["loc"]), f"{'.'.join(map(str, first['loc']))}: {first['msg']}")
+    except OSError as error:
+        problem = Problem(path, None, f"cannot be read ({error.strerror})")
+    raise FolderError([problem])

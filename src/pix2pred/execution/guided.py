@@ -1,0 +1,139 @@
+"""Executing a plan together with a person: they run a skill and take a photo, we look, compare, and plan again.
+
+The person may do and see what a simulated environment does in ``episode``; the plan is followed by the same rules.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from pix2pred.execution.missing import Missing, missing
+from pix2pred.execution.pursuit import GivenUpError, Pursuit, changes
+from pix2pred.execution.scene import PlannedScene, listed
+from pix2pred.predicates import StateLabels
+from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What one executed step was expected to change, and what was seen to.
+
+    ``absent`` was expected and not seen, ``surplus`` seen and not expected; changes have a sign. ``assumed`` are the
+    changes that no photo shows and nobody told. ``replanned`` says that the plan goes on from here anew.
+    """
+
+    step: GroundOperator
+    action: Action
+    state: State
+    labels: StateLabels
+    seen: AbstractState
+    expected: tuple[str, ...]
+    absent: tuple[str, ...]
+    surplus: tuple[str, ...]
+    assumed: tuple[str, ...]
+    replanned: bool = False
+
+
+class Guided:
+    """One task, executed step by step by somebody else. ``step`` is the next one; None when it is over.
+
+    ``ended`` is empty while there is a step, and when the goal seems to hold; else it says why there is none.
+    """
+
+    def __init__(self, scene: PlannedScene) -> None:
+        self.scene = scene
+        self.seen = scene.seen
+        self.looks: list[Look] = []
+        self.step: GroundOperator | None = None
+        self.ended = ""
+        self._pursuit = Pursuit(
+            lambda seen: scene.solver.plan_from(scene.task, seen), scene.task.goal, scene.result.plan
+        )
+        if scene.solved:
+            self._advance()
+        else:
+            self.ended = f"there is no plan ({scene.result.status})"
+
+    @property
+    def remaining(self) -> tuple[GroundOperator, ...]:
+        """The steps that the present plan still has, the next one first."""
+        return () if self.step is None else tuple(self._pursuit.plan[self._pursuit.position :])
+
+    @property
+    def replans(self) -> int:
+        """How many plans were made after the first."""
+        return self._pursuit.replans
+
+    @property
+    def reached(self) -> bool:
+        """Whether the goal holds in what was seen last."""
+        return self.seen.issuperset(self.scene.task.goal)
+
+    @property
+    def missing(self) -> tuple[Missing, ...]:
+        """When it is over without success: goal atoms that cannot be reached from what was seen last, and why."""
+        if self.step is not None or self.reached or not self.looks:
+            return ()
+        task = self.scene.task
+        return missing(self.scene.solver.model.operators, task.objects, self.seen, task.goal)
+
+    @property
+    def expected_listed(self) -> tuple[str, ...]:
+        """The changes of the next step that no photo can show: a person has to confirm them."""
+        return () if self.step is None else _signed(listed(self.step.add), listed(self.step.delete))
+
+    def told(self, state: State, happened: Sequence[str]) -> State:
+        """``state`` with the given atoms that hold when, of ``expected_listed``, these changes ``happened``."""
+        assert self.step is not None, "there is a step to tell about"
+        given = set(listed(self.seen))
+        given -= {a for a in self.step.delete if f"-{a}" in happened}
+        given |= {a for a in listed(self.step.add) if f"+{a}" in happened}
+        return replace(state, given=frozenset(given))
+
+    def observe(self, state: State, *, told: bool) -> Look:
+        """The next step was tried, and ``state`` is what came of it; ``told``: its given atoms are all that hold.
+
+        Otherwise those are carried over, with the changes expected of the step if whatever should show, shows.
+        """
+        step = self.step
+        assert step is not None, "there is a step to observe"
+        action = Action(step.operator.skill, step.skill_objects)
+        before, kept = self.seen, listed(self.seen)
+        state = state if told else replace(state, given=kept)
+        after = self.scene.abstraction.advance(action, state)
+        assumed: tuple[str, ...] = ()
+        if not told and _visible(step.add) <= after and not _visible(step.delete) & after:
+            given = (kept - step.delete) | listed(step.add)
+            assumed = changes(kept, given)
+            after = self.scene.abstraction.relist(given)
+        look = Look(
+            step, action, state, self.scene.abstraction.labels, after,
+            _signed(step.add, step.delete),
+            _signed(step.add - after, step.delete & after),
+            _signed(after - before - step.add, before - after - step.delete),
+            assumed,
+        )  # fmt: skip
+        self.seen = after
+        replans = self.replans
+        try:
+            self._pursuit.executed(str(action), before, succeeded=step.add <= after)
+            self._advance()
+        except GivenUpError as error:
+            self.step, self.ended = None, str(error)
+        self.looks.append(replace(look, replanned=self.replans > replans))
+        return self.looks[-1]
+
+    def _advance(self) -> None:
+        try:
+            self.step = self._pursuit.next(self.seen)
+        except GivenUpError as error:
+            self.step, self.ended = None, str(error)
+
+
+def _visible(atoms: frozenset[Atom]) -> AbstractState:
+    return frozenset(a for a in atoms if isinstance(a.predicate.source, FromVLM))
+
+
+def _signed(plus: frozenset[Atom], minus: frozenset[Atom]) -> tuple[str, ...]:
+    return (*(f"+{a}" for a in sorted(plus)), *(f"-{a}" for a in sorted(minus)))

@@ -1,0 +1,164 @@
+"""Readings, doubts and advice on tables small enough to work out by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from learning.random_tables import BALL, BOX, candidate, demo, given, table
+from pix2pred.learning import LearningSettings, Verdict, advice_document, advise, readings
+from pix2pred.learning.advice import with_labels
+from pix2pred.learning.doubts import doubted
+from pix2pred.structs import (
+    FALSE,
+    TRUE,
+    UNKNOWN,
+    Action,
+    Atom,
+    LabelledDemo,
+    LiftedAtom,
+    Object,
+    Operator,
+    Skill,
+    TruthTable,
+    Variable,
+)
+
+HEAT, SERVE = Skill("Heat", (BALL,)), Skill("Serve", (BALL,))
+HOT, COLD, DONE = candidate("hot", BALL), candidate("cold", BALL), given("Done", BALL)
+A, B, C = Object("a", BALL), Object("b", BALL), Object("c", BOX)
+X = Variable("?x", BALL)
+
+
+def served(name: str, *states: list[Atom]) -> LabelledDemo:
+    """Heat a, then serve it; ``states`` are what was labelled true before, between and after."""
+    return demo(name, {A, B}, [Action(HEAT, (A,)), Action(SERVE, (A,))], states, [DONE(A)])
+
+
+RIGHT: tuple[list[Atom], ...] = ([], [HOT(A)], [HOT(A), DONE(A)])
+
+
+def lifted(*names: object) -> frozenset[LiftedAtom]:
+    return frozenset(LiftedAtom(p, (X,)) for p in names)  # type: ignore[arg-type]
+
+
+def operator(name: str, skill: Skill, pre: frozenset[LiftedAtom], add: frozenset[LiftedAtom]) -> Operator:
+    return Operator(name, (X,), pre, add, frozenset(), skill, (X,))
+
+
+MODEL = (operator("Op0", HEAT, lifted(), lifted(HOT)), operator("Op1", SERVE, lifted(HOT), lifted(DONE)))
+
+
+def test_transitions_support_operators_whose_effects_alone_occur() -> None:
+    found = readings(MODEL, [served("d", *RIGHT)])
+    assert [(r.operator, r.step, r.binding, r.verdict) for r in found] == [
+        ("Op0", 0, ("a",), Verdict.SUPPORTS),
+        ("Op1", 1, ("a",), Verdict.SUPPORTS),
+    ]
+    assert all((r.unmet, r.absent, r.surplus) == ((), (), ()) for r in found)
+
+
+def test_a_transition_says_what_it_has_against_an_operator() -> None:
+    first, second = readings(MODEL, [served("d", [], [HOT(B)], [HOT(B), DONE(A)])])
+    assert (first.verdict, first.absent, first.surplus) == (Verdict.CONTRADICTS, ("+hot(a)",), ("+hot(b)",))
+    assert (second.verdict, second.unmet) == (Verdict.UNMET, ("hot(a)",))
+    assert (second.absent, second.surplus) == ((), ())
+
+
+def test_an_operator_that_neither_applies_nor_explains_is_not_read() -> None:
+    assert [r.operator for r in readings(MODEL, [served("d", [], [HOT(A)], [])])] == ["Op0", "Op1"]
+    assert [r.operator for r in readings(MODEL, [served("d", [], [], [])])] == ["Op0"]
+
+
+def test_a_label_unlike_those_of_nine_other_demonstrations_is_doubted() -> None:
+    demos = [served(f"d{i}", *RIGHT) for i in range(9)]
+    wrong = served("wrong", [], [HOT(A)], [DONE(A)])  # it cannot have cooled down: nothing ever does
+    (timeline,) = doubted(table([DONE], [HOT], [*demos, wrong]), [HOT])
+    (doubt,) = timeline.doubts
+    assert (timeline.demo, timeline.atom) == ("wrong", HOT(A))
+    assert (doubt.state, doubt.label, doubt.likely) == (2, FALSE, TRUE)
+    assert 0.5 < doubt.wrong <= 1 and timeline.expected == doubt.wrong
+
+
+def test_nothing_is_doubted_where_all_agree_or_nothing_was_asked() -> None:
+    right = table([DONE], [HOT], [served(f"d{i}", *RIGHT) for i in range(5)])
+    assert doubted(right, [HOT]) == [] and doubted(right, [DONE]) == [] and doubted(right, []) == []
+
+
+@pytest.mark.parametrize("unusual", [False, True])
+def test_a_first_label_unlike_the_others_is_doubted(unusual: bool) -> None:
+    demos = [served(f"d{i}", *RIGHT) for i in range(9)]
+    early = served("early", [HOT(A)], [HOT(A)], [HOT(A), DONE(A)])
+    found = doubted(table([DONE], [HOT], [*demos, early]), [HOT], unusual=unusual)
+    assert [(t.demo, [d.state for d in t.doubts]) for t in found] == [("early", [0])]
+
+
+def test_labels_wrong_all_along_are_doubted_only_when_unusual_ones_are_asked_for() -> None:
+    """The course of one atom that never changes is as good as any; the other demonstrations say that it is rare."""
+    steady = [[COLD(A)], [COLD(A)], [COLD(A), DONE(A)]]
+    demos = [served(f"d{i}", *steady) for i in range(9)]
+    never = served("never", *steady)
+    never.values[:, never.atoms.index(COLD(A))] = FALSE
+    mixed = table([DONE], [COLD], [*demos, never])
+    assert doubted(mixed, [COLD]) == []
+    (found,) = doubted(mixed, [COLD], unusual=True)
+    assert (found.demo, {(d.label, d.likely) for d in found.doubts}) == ("never", {(FALSE, TRUE)})
+
+
+def with_a_mistake() -> TruthTable:
+    demos = [served(f"d{i}", *RIGHT) for i in range(9)]
+    return table([DONE], [HOT], [*demos, served("wrong", [], [], [HOT(A), DONE(A)])])
+
+
+def test_the_label_that_stands_in_the_way_comes_first() -> None:
+    mixed = with_a_mistake()
+    settings = LearningSettings(j_threshold=1)
+    advice = advise(mixed, settings)
+    assert advice.predicates == (HOT,)
+    first = advice.labels[0]
+    assert (first.demo, first.atom, first.doubt.state, first.doubt.likely) == ("wrong", HOT(A), 1, TRUE)
+    document = advice_document(advice)
+    assert document["predicates"] == ["hot"]
+    row = document["labels"][0]
+    assert {k: row[k] for k in ("demo", "atom", "state", "label", "likely")} == {
+        "demo": "wrong", "atom": ["hot", "a"], "state": 1, "label": "false", "likely": "true",
+    }  # fmt: skip
+    corrected = with_labels(mixed, {("wrong", HOT(A), 1): TRUE})
+    assert advise(corrected, settings).labels == ()
+
+
+def test_changed_labels_leave_the_table_as_it_was() -> None:
+    mixed = with_a_mistake()
+    before = [d.values.copy() for d in mixed.demos]
+    changed = with_labels(mixed, {("wrong", HOT(A), 1): UNKNOWN})
+    assert all(np.array_equal(d.values, v) for d, v in zip(mixed.demos, before, strict=True))
+    differing = [
+        (d.name, int(s), d.atoms[int(i)], int(d.values[s, i]))
+        for d, o in zip(changed.demos, mixed.demos, strict=True)
+        for s, i in zip(*np.nonzero(d.values != o.values), strict=True)
+    ]
+    assert differing == [("wrong", 1, HOT(A), UNKNOWN)]
+
+
+def test_of_synonyms_the_one_with_fewer_mistakes_is_advised() -> None:
+    warm = candidate("warm", BALL)
+
+    def both(d: LabelledDemo) -> LabelledDemo:
+        hot = d.atoms.index(HOT(A))
+        atoms = (*d.atoms, warm(A))
+        return replace(d, atoms=atoms, values=np.column_stack([d.values, d.values[:, hot]]))
+
+    demos = [both(served(f"d{i}", *RIGHT)) for i in range(9)]
+    last = both(served("last", *RIGHT))
+    last.values[1, last.atoms.index(HOT(A))] = FALSE
+    advice = advise(table([DONE], [HOT, warm], [*demos, last]), LearningSettings(j_threshold=1))
+    assert [p.name for p in advice.predicates] == ["warm"]
+
+
+@pytest.mark.parametrize("objects", [(A, C)])
+def test_skills_of_other_objects_are_not_read(objects: tuple[Object, ...]) -> None:
+    touch = Skill("Touch", (BOX,))
+    one = demo("d", objects, [Action(touch, (C,))], [[], [HOT(A)]])
+    assert readings(MODEL, [one]) == []
