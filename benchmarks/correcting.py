@@ -62,7 +62,7 @@ def score(source: Workload, table: TruthTable, settings: LearningSettings, draw:
     planner = Planner(Portfolio((AStar(max_nodes=500), GreedyBestFirst(max_nodes=4_000))))
     selection = hill_climbing(table, settings).run()
     return {
-        "solved": solved(source.family, selection, source.meaning, draw, tasks, planner),
+        "solved": solved(source.family, selection, source.meaning, draw, tasks, planner=planner),
         "selected": [p.name for p in selection.selected],
         "right": source.right(selection.selected),
         "J": round(selection.steps[-1].j, 1),

@@ -29,7 +29,7 @@ from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
 from pix2pred.planning import TaskPlanner
 from pix2pred.registry import load_planner
-from pix2pred.structs import PlanStatus
+from pix2pred.structs import PlanStatus, groundings
 
 LEARNERS = ("cluster-and-intersect", "robust")
 ERRORS = ("independent", "sticky", "unknown", "test")
@@ -49,7 +49,8 @@ def run(family: str, errors: str, rate: float, draw: int, learner: str, candidat
         "family": family, "errors": errors, "rate": rate, "draw": draw, "learner": learner,
         "selected": [p.name for p in selection.selected], "right": source.right(selection.selected),
         "operators": len(selection.operators), "J": [round(s.j, 1) for s in selection.steps],
-        "solved": solved(family, selection, source.meaning, draw, tasks), "tasks": tasks, "seconds": round(seconds, 2),
+        "solved": solved(family, selection, source.meaning, draw, tasks, flip if errors == "test" else 0.0),
+        "tasks": tasks, "seconds": round(seconds, 2),
     }  # fmt: skip
 
 
@@ -64,13 +65,18 @@ def test_tasks(family: str, seed: int, count: int) -> Sequence[Any]:
 
 
 def solved(
-    family: str, selection: Selection, meaning: Any, seed: int, count: int, planner: TaskPlanner | None = None
-) -> int:
+    family: str, selection: Selection, meaning: Any, seed: int, count: int, flip: float = 0.0,
+    planner: TaskPlanner | None = None,
+) -> int:  # fmt: skip
+    """Tasks solved when this share of the labels of selected predicates at test time is turned round."""
     total = 0
+    rng = np.random.default_rng([seed, 1])
     predicates = (*domain().vocabulary(family).initial, *selection.selected)
     planner = planner or load_planner("portfolio")
     for item in test_tasks(family, seed, count):
         state = true_state(World.from_dict(item.simulator["world"]), predicates, meaning)
+        atoms = [p(*args) for p in selection.selected for args in groundings(p.types, item.task.objects, distinct=True)]
+        state ^= frozenset(atom for atom, wrong in zip(atoms, rng.random(len(atoms)) < flip, strict=True) if wrong)
         found = planner.plan(selection.operators, item.task.objects, state, item.task.goal)
         if found.status == PlanStatus.SOLVED and len(found.plan) <= 200:
             environment = domain().environment(item.task, item.simulator)

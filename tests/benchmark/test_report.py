@@ -109,6 +109,14 @@ def test_only_the_marked_part_of_a_document_is_written(tmp_path: Path) -> None:
     assert document.read_text() == once
 
 
+def test_a_short_mark_takes_what_was_solved_alone(tmp_path: Path) -> None:
+    document = tmp_path / "README.md"
+    document.write_text(f"{begin('paper', short=True)}\nobsolete\n{END}\n")
+    write_into(document, made_up({("ours", "combo"): 10}, folder=tmp_path / "run"), "2026-01-02")
+    text = document.read_text()
+    assert "obsolete" not in text and "10.0 ± 0.0" in text and "Published claims" not in text
+
+
 def test_a_document_without_the_marks_is_left_alone(tmp_path: Path) -> None:
     document = tmp_path / "results.md"
     document.write_text("by hand")

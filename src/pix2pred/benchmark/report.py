@@ -9,14 +9,15 @@ from pix2pred.benchmark.chart import PlotError, draw
 from pix2pred.benchmark.claims import load_claims
 from pix2pred.benchmark.runner import Run
 from pix2pred.benchmark.suite import SuiteError
-from pix2pred.benchmark.tables import only_finished, section, summary_csv
+from pix2pred.benchmark.tables import only_finished, section, summary, summary_csv
 from pix2pred.run_folder import RunFolder
 from pix2pred.structs.files import write_whole
 
 
-def begin(name: str) -> str:
-    """The line that opens the generated part of a document."""
-    return f"<!-- bench report {name}: written by a program, edit nothing up to the end mark -->"
+def begin(name: str, *, short: bool = False) -> str:
+    """The line that opens the generated part of a document: all of a report, or what was solved alone."""
+    form = "short bench report" if short else "bench report"
+    return f"<!-- {form} {name}: written by a program, edit nothing up to the end mark -->"
 
 
 END = "<!-- end of bench report -->"
@@ -45,16 +46,26 @@ def write_into(document: Path, run: Run, date: str) -> Path | None:
     """
     name = run.suite.name
     text = document.read_text(encoding="utf-8") if document.exists() else f"{begin(name)}\n{END}\n"
-    head, mark, rest = text.partition(begin(name))
+    short = begin(name, short=True) in text
+    opening = begin(name, short=short)
+    head, mark, rest = text.partition(opening)
     _, end, tail = rest.partition(END)
     if not mark or not end:
-        raise SuiteError(f"{document}: has no place for this report; put these lines in it:\n{begin(name)}\n{END}")
+        raise SuiteError(
+            f"{document}: has no place for this report; put these lines in it:\n{begin(name)}\n{END}\n"
+            f"or, for a summary:\n{begin(name, short=True)}\n{END}"
+        )
     chart, _ = _chart(run)
-    picture = document.parent / "images" / f"bench-{name}.png" if chart else None
+    docs = document.parent / "docs"
+    picture = (docs if docs.is_dir() else document.parent) / "images" / f"bench-{name}.png" if chart else None
     if chart and picture:
         write_whole(picture, chart)
     link = os.path.relpath(picture, document.parent) if picture else None
-    made = section(run, load_claims(), date=date, command=command_of(run), chart=link)
+    made = (
+        summary(run, date=date, command=command_of(run), chart=link)
+        if short
+        else section(run, load_claims(), date=date, command=command_of(run), chart=link)
+    )
     write_whole(document, f"{head}{mark}\n{made}{END}{tail}".encode())
     return picture
 

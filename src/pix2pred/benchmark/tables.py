@@ -118,8 +118,8 @@ def interim_table(published: Published, run: Run) -> str:
     return markdown(["family", "approach", "verdict", "figures"], rows)
 
 
-def section(run: Run, published: Published, *, date: str, command: str, chart: str | None) -> str:
-    """All that is reported of a run, headed by where it comes from."""
+def summary(run: Run, *, date: str, command: str, chart: str | None) -> str:
+    """What was solved, headed by where it comes from."""
     seeds = ", ".join(map(str, run.suite.seeds))
     tried, wanted = sum(row.task is not None for row in run.rows), expected(run)
     run = only_finished(run)
@@ -133,6 +133,13 @@ def section(run: Run, published: Published, *, date: str, command: str, chart: s
     ]
     if chart:
         parts.append(f"![{run.suite.about}]({chart})\n")
+    return "\n".join(parts)
+
+
+def section(run: Run, published: Published, *, date: str, command: str, chart: str | None) -> str:
+    """All that is reported of a run."""
+    parts = [summary(run, date=date, command=command, chart=chart)]
+    run = only_finished(run)
     parts += ["Where failures come from (planned again, then learned again, with true labels):\n", failure_table(run)]
     if not run.suite.axis:
         parts += ["What was learned:\n", learned_table(run)]
