@@ -167,3 +167,12 @@ def test_a_demo_has_one_more_state_than_actions() -> None:
     Demo("d", (), (State(),), (), ())
     with pytest.raises(ValueError, match="0 actions need 1 states, found 2"):
         Demo("d", (), (State(), State()), (), ())
+
+
+def test_grey_of_sixteen_bits_keeps_its_shades() -> None:
+    ramp = np.linspace(0, 65535, 256).astype(np.uint16).reshape(16, 16)
+    buffer = io.BytesIO()
+    PIL.Image.fromarray(ramp).save(buffer, "PNG")
+    pixels = Image(buffer.getvalue()).pixels()
+    assert pixels.shape == (16, 16, 3)
+    assert np.array_equal(pixels[:, :, 0].ravel(), np.arange(256)) and np.ptp(pixels, axis=2).max() == 0

@@ -97,7 +97,7 @@ class Image:
     def pixels(self) -> Pixels:
         """Decode, upright. Raises ``PictureError`` for what is not a PNG or JPEG picture of a sane size."""
         with self._opened() as opened:
-            pixels = np.asarray(PIL.ImageOps.exif_transpose(opened).convert("RGB"), dtype=np.uint8)
+            pixels = _rgb(PIL.ImageOps.exif_transpose(opened))
         if self.__dict__.setdefault("digest", digest := _digest(pixels)) != digest:
             raise PictureError(f"{self._source!s:.200}: changed while it was being used; run the command again")
         return pixels
@@ -141,6 +141,14 @@ class Image:
 
     def __hash__(self) -> int:
         return int(self.digest[:15], 16)
+
+
+def _rgb(picture: PIL.Image.Image) -> Pixels:
+    """Eight bits a channel; of 16-bit grey, which Pillow would clip to white, the upper eight."""
+    if picture.mode.startswith("I"):
+        grey = (np.asarray(picture).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
+        return np.repeat(grey[:, :, None], 3, axis=2)
+    return np.asarray(picture.convert("RGB"), dtype=np.uint8)
 
 
 def _digest(pixels: Pixels) -> str:
