@@ -19,6 +19,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
@@ -68,8 +69,8 @@ def declare(
     if not wrong:
         _resolve(type_docs, object_docs, skill_docs, predicate_docs, wrong)
         for kind, names in (("object", [parse_object(o)[0] for o in objects]), ("skill", [s.name for s in skill_docs])):
-            _note(wrong, kind, "", lambda kind=kind, names=names: check_distinct(kind, names))  # type: ignore[misc]
-        _note(wrong, "predicate", "", lambda: check_distinct("predicate", [p.name for p in predicate_docs]))
+            _note(wrong, kind, "", partial(check_distinct, kind, names))
+        _note(wrong, "predicate", "", partial(check_distinct, "predicate", [p.name for p in predicate_docs]))
     if wrong:
         raise DeclarationError("\n".join(wrong))
     return Declarations(tuple(type_docs), object_docs, tuple(skill_docs), tuple(predicate_docs))
@@ -80,22 +81,23 @@ def _resolve(
     predicates: Sequence[PredicateDoc], wrong: list[str],
 ) -> None:  # fmt: skip
     """Every name that is used has been declared."""
-    built = _note(wrong, "type", "", lambda: build_types(types))
+    built = _note(wrong, "type", "", partial(build_types, types))
     if built is None:
         return
     table = {t.name: t for t in built}
     for name, item in objects.items():
         if item.type not in table:
             wrong.append(f"object {name}: {UnknownNameError('type', item.type, table)}")
-    made = [_note(wrong, "skill", s.name, lambda s=s: build_skill(s, table)) for s in skills]  # type: ignore[misc]
+    made = [_note(wrong, "skill", s.name, partial(build_skill, s, table)) for s in skills]
+    built_skills = [skill for skill in made if skill is not None]
     for doc in predicates:
-        predicate = _note(wrong, "predicate", doc.name, lambda doc=doc: build_predicate(doc, table))  # type: ignore[misc]
-        if predicate is not None and all(made):
-            _note(wrong, "predicate", doc.name, lambda p=predicate: check_triggers(p, made))  # type: ignore[misc,arg-type]
+        predicate = _note(wrong, "predicate", doc.name, partial(build_predicate, doc, table))
+        if predicate is not None and len(built_skills) == len(skills):
+            _note(wrong, "predicate", doc.name, partial(check_triggers, predicate, built_skills))
 
 
 def _each(kind: str, texts: Sequence[str], parse: Callable[[str], T], wrong: list[str]) -> list[T]:
-    parsed = [_note(wrong, kind, repr(text), lambda text=text: parse(text)) for text in texts]  # type: ignore[misc]
+    parsed = [_note(wrong, kind, repr(text), partial(parse, text)) for text in texts]
     return [one for one in parsed if one is not None]
 
 
