@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from pix2pred.domains import scripted
 from pix2pred.domains.burger.classifiers import objects_of
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.families import Family, Recipe, bind_action, bind_atom
 from pix2pred.domains.burger.world import World
 from pix2pred.structs import Demo
-from pix2pred.structs.environment import StepStatus
 
 
 def demonstrate(name: str, family: Family, recipe: Recipe, initial: World) -> Demo:
@@ -19,13 +19,4 @@ def demonstrate(name: str, family: Family, recipe: Recipe, initial: World) -> De
     by_name = {o.name: o for o in objects}
     goal = tuple(bind_atom(a, by_name, family.initial) for a in recipe.goal)
     environment = BurgerEnvironment(initial, family.initial, goal)
-    states = [environment.observe()]
-    actions = tuple(bind_action(a, by_name) for a in recipe.skills)
-    for action in actions:
-        step = environment.execute(action)
-        if step.status is not StepStatus.DONE:
-            raise RuntimeError(f"demonstration {name}: {action} failed: {step.detail}")
-        states.append(environment.observe())
-    if not environment.goal_reached():
-        raise RuntimeError(f"demonstration {name}: the script of {recipe.name} does not reach its goal")
-    return Demo(name, objects, tuple(states), actions, goal)
+    return scripted.demonstrate(name, environment, objects, (bind_action(a, by_name) for a in recipe.skills), goal)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from pix2pred.domains.burger.vocabulary import SKILL_OF, TYPE_OF
 from pix2pred.domains.burger.world import Cell, Heading, Primitive, World
+from pix2pred.domains.scripted import check_skill
 from pix2pred.structs import Application
 
 INTERACT = Primitive(interact=True)
@@ -58,7 +59,7 @@ def walk(world: World, goal: Cell) -> Primitive:
 
 def policy_for(skill: Application, world: World) -> Policy:
     """The policy of ``skill``. Raises ``ValueError`` for an unknown skill, or objects that are absent or do not fit."""
-    _check(skill, world)
+    check_skill(skill, SKILL_OF, {name: TYPE_OF[t] for name, t in world.types().items()})
     item = skill.args[1]
     match skill.name:
         case "Pick":
@@ -68,20 +69,6 @@ def policy_for(skill: Application, world: World) -> Policy:
             return Policy(target, TOGGLE, lambda w: w.held is None and w.supports(target, item))
         case _:
             return Policy(item, INTERACT, lambda w: w.thing(item).prepared)
-
-
-def _check(skill: Application, world: World) -> None:
-    known = SKILL_OF.get(skill.name)
-    if known is None:
-        raise ValueError(f"there is no skill {skill.name!r} here; known are {', '.join(SKILL_OF)}")
-    if len(skill.args) != len(known.types):
-        raise ValueError(f"{known} takes {len(known.types)} objects, found {len(skill.args)}")
-    types = world.types()
-    for name, wanted in zip(skill.args, known.types, strict=True):
-        if name not in types:
-            raise ValueError(f"{name!r} is not in this scene")
-        if not TYPE_OF[types[name]].is_a(wanted):
-            raise ValueError(f"{name} is a {types[name]}, and {known} needs a {wanted.name} in its place")
 
 
 def explain(skill: Application, world: World) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from pix2pred.domains import scripted
 from pix2pred.domains.coffee.classifiers import AboveCup, objects_of
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.families import Recipe
 from pix2pred.domains.coffee.vocabulary import CUP_FILLED, GIVEN, SKILL_OF
 from pix2pred.domains.coffee.world import World
 from pix2pred.structs import Action, Atom, Demo, Object
-from pix2pred.structs.environment import StepStatus
 
 
 def actions_of(recipe: Recipe, world: World) -> tuple[Action, ...]:
@@ -32,13 +32,4 @@ def demonstrate(name: str, recipe: Recipe, initial: World, above: AboveCup) -> D
     objects = objects_of(initial)
     goal = all_filled(objects)
     environment = CoffeeEnvironment(initial, GIVEN, goal, above)
-    states = [environment.observe()]
-    actions = actions_of(recipe, initial)
-    for action in actions:
-        step = environment.execute(action)
-        if step.status is not StepStatus.DONE:
-            raise RuntimeError(f"demonstration {name}: {action} failed: {step.detail}")
-        states.append(environment.observe())
-    if not environment.goal_reached():
-        raise RuntimeError(f"demonstration {name}: the script of {recipe.name} does not reach its goal")
-    return Demo(name, objects, tuple(states), actions, goal)
+    return scripted.demonstrate(name, environment, objects, actions_of(recipe, initial), goal)

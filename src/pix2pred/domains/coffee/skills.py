@@ -26,8 +26,9 @@ from pix2pred.domains.coffee.geometry import (
     Point,
 )
 from pix2pred.domains.coffee.motion import Primitive, pressing, spout_over
-from pix2pred.domains.coffee.vocabulary import SKILL_OF
+from pix2pred.domains.coffee.vocabulary import SKILL_OF, TYPE_OF
 from pix2pred.domains.coffee.world import World
+from pix2pred.domains.scripted import check_skill
 from pix2pred.structs import Application
 
 CARRY_Z = TABLE_Z + 0.1 + GRIP.z
@@ -60,7 +61,7 @@ class Script:
 
 def script_for(skill: Application, world: World) -> Script:
     """The script of ``skill``. Raises ``ValueError`` for an unknown skill, or objects that are absent or do not fit."""
-    _check(skill, world)
+    check_skill(skill, SKILL_OF, {name: TYPE_OF[t] for name, t in world.types().items()})
     match skill.name:
         case "PickJug":
             return Script(_pick(world), lambda w: w.jug.held)
@@ -145,20 +146,6 @@ def _rotate(world: World) -> tuple[Primitive, ...]:
         Primitive(over, tilt=_DOWNWARD, wrist=turn),
         Primitive(HOME),
     )
-
-
-def _check(skill: Application, world: World) -> None:
-    known = SKILL_OF.get(skill.name)
-    if known is None:
-        raise ValueError(f"there is no skill {skill.name!r} here; known are {', '.join(SKILL_OF)}")
-    if len(skill.args) != len(known.types):
-        raise ValueError(f"{known} takes {len(known.types)} objects, found {len(skill.args)}")
-    types = world.types()
-    for name, wanted in zip(skill.args, known.types, strict=True):
-        if name not in types:
-            raise ValueError(f"{name!r} is not in this scene")
-        if types[name] != wanted.name:
-            raise ValueError(f"{name} is a {types[name]}, and {known} needs a {wanted.name} in its place")
 
 
 def explain(skill: Application, start: World, end: World) -> str:

@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pix2pred.domains import scripted
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
 from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, Split, boiling, push_kettle, start_world, turn_on
 from pix2pred.domains.kitchen.vocabulary import OBJECTS, VOCABULARY
 from pix2pred.domains.kitchen.world import World
 from pix2pred.structs import Demo, Task, Vocabulary
-from pix2pred.structs.environment import SimulatedTask, SimulatorState, StepStatus
+from pix2pred.structs.environment import SimulatedTask, SimulatorState
 
 DEMONSTRATIONS = 3
 
@@ -75,15 +76,6 @@ def _task(name: str, world: World, number: str) -> SimulatedTask:
 
 
 def _demonstrate(name: str, world: World) -> Demo:
-    actions = (turn_on("4"), push_kettle("4"))
     goal = boiling("4")
-    environment = KitchenEnvironment(world, goal)
-    states = [environment.observe()]
-    for action in actions:
-        step = environment.execute(action)
-        if step.status is not StepStatus.DONE:
-            raise RuntimeError(f"demonstration {name}: {step.detail}")
-        states.append(environment.observe())
-    if not environment.goal_reached():
-        raise RuntimeError(f"demonstration {name}: the kettle does not boil")
-    return Demo(name, OBJECTS, tuple(states), actions, goal)
+    actions = (turn_on("4"), push_kettle("4"))
+    return scripted.demonstrate(name, KitchenEnvironment(world, goal), OBJECTS, actions, goal)
