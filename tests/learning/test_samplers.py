@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,29 @@ def test_the_classifier_rejects_and_the_draw_says_how_often() -> None:
     never = LearnedSampler("gaussian", sampler.gaussian, sampler.validity, (2.0,), (3.0,), max_rejections=7)
     hopeless = never.sample({cup: (0.5,), pads[0]: (1.0,)}, (cup, pads[0]), rng)
     assert hopeless.rejections == 7 and hopeless.params == (2.0,)
+
+
+def test_draws_keep_to_what_always_worked_where_something_else_sometimes_did() -> None:
+    """Forces from 0.4 to 0.6 work, weaker ones every other time, stronger ones never."""
+    rng = np.random.default_rng(1)
+    forces = [float(f) for f in rng.uniform(0, 1, 60)]
+    worked = [0.4 < f < 0.6 or (f <= 0.4 and i % 2 == 0) for i, f in enumerate(forces)]
+    made = [push(i, 0.5, f, "pad1" if w else None) for i, (f, w) in enumerate(zip(forces, worked, strict=True))]
+    sampler = fit_gaussian(data_of(made), PUSH.low, PUSH.high)
+    features = {cup: (0.5,), pads[0]: (1.0,)}
+
+    def sure(chosen: LearnedSampler) -> int:
+        drawn = [chosen.sample(features, (cup, pads[0]), rng).params[0] for _ in range(100)]
+        return sum(0.4 < f < 0.6 for f in drawn)
+
+    likeliest, first = sure(sampler), sure(replace(sampler, choices=1))
+    assert likeliest >= 75 and likeliest >= first + 15, (likeliest, first)
+
+
+def test_parameters_that_worked_once_and_failed_once_are_accepted_as_often_as_not() -> None:
+    sampler = fit_gaussian(data_of([push(0, 0.5, 0.3, "pad1"), push(1, 0.5, 0.3, None)]), PUSH.low, PUSH.high)
+    draw = sampler.sample({cup: (0.5,), pads[0]: (1.0,)}, (cup, pads[0]), np.random.default_rng(0))
+    assert draw.params[0] == pytest.approx(0.3, abs=0.05)
 
 
 @settings(max_examples=40, deadline=None)

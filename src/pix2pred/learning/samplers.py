@@ -1,12 +1,13 @@
 """Samplers of continuous parameters: a Gaussian regressor and a validity classifier, one pair per operator (method 7).
 
-A draw of the Gaussian is kept when it lies in the box and the classifier accepts it; after ``max_rejections`` the last
-draw is used, moved into the box. The default estimators are linear and Bayesian, meant for a handful of examples:
+A draw of the Gaussian is accepted when it lies in the box and the classifier finds it more likely than not to work.
+With ``choices`` above 1 the likeliest of that many accepted draws is used; after ``max_rejections`` the likeliest draw,
+accepted or not, moved into the box. The default estimators are Bayesian, meant for a handful of examples:
 
 - the mean is linear in the features (``BayesianRidge``, one per parameter);
 - the spread combines the model's own uncertainty, the residuals, and ``PRIOR_EXAMPLES`` imagined residuals of
   ``PRIOR_SPREAD`` of the box, so that three equal examples give a narrow bell and never a spike;
-- validity is logistic in the features, the parameters, and their products, which makes bands possible.
+- validity is a Gaussian process over features and parameters that finds out which of them matter.
 """
 
 from __future__ import annotations
@@ -31,6 +32,13 @@ PRIOR_SPREAD = 0.015
 
 LEAST_SPREAD = 0.005
 """The narrowest spread, as part of the box's side."""
+
+CHOICES = 10
+"""Accepted draws of which the default sampler uses the likeliest. Where half of what is tried works, so would half of
+all draws that are merely more likely than not."""
+
+MOST_EXAMPLES = 150
+"""Positive and negative examples that the classifier is fitted to, each; fitting grows with the third power."""
 
 _FARTHEST = 3.0
 """Standardised features are moved to at most this: outside of what was seen a sampler stays near what it knows."""
@@ -69,22 +77,32 @@ class LearnedSampler:
     validity: Validity | None
     low: tuple[float, ...]
     high: tuple[float, ...]
+    choices: int = 1
     max_rejections: int = 100
 
     def sample(self, features: Features, objects: Sequence[Object], rng: np.random.Generator) -> Draw:
         """Parameters for an operator bound to ``objects``. Raises ``ValueError`` when one has no features."""
         inputs = input_row(features, objects)
         mean, spread = self.gaussian.at(inputs)
-        rejections = 0
-        while True:
+        wanted = self.choices if self.validity else 1
+        best, likeliest = mean, -1.0
+        accepted = rejections = 0
+        while accepted < wanted and rejections < self.max_rejections:
             params = rng.normal(mean, spread)
-            if rejections >= self.max_rejections or self._accepts(inputs, params):
-                return Draw(clip_to_box(params, self.low, self.high), self.name, rejections)
-            rejections += 1
+            probability = self._probability(inputs, params)
+            if probability > likeliest:
+                best, likeliest = params, probability
+            if probability > 0.5:
+                accepted += 1
+            else:
+                rejections += 1
+        return Draw(clip_to_box(best, self.low, self.high), self.name, rejections)
 
-    def _accepts(self, inputs: Rows, params: Rows) -> bool:
-        inside = bool(np.all(params >= self.low) and np.all(params <= self.high))
-        return inside and (self.validity is None or self.validity.probability(inputs, params) > 0.5)
+    def _probability(self, inputs: Rows, params: Rows) -> float:
+        """How likely parameters work; 0 outside of the box."""
+        if not (np.all(params >= self.low) and np.all(params <= self.high)):
+            return 0.0
+        return self.validity.probability(inputs, params) if self.validity else 1.0
 
 
 @dataclass(frozen=True)
@@ -134,18 +152,24 @@ class LinearGaussian:
 
 
 @dataclass(frozen=True)
-class QuadraticValidity:
-    """Logistic regression on features, parameters, squares of parameters and products of both."""
+class KernelValidity:
+    """Gaussian process classification of features and parameters (Rasmussen and Williams 2006, algorithms 3.1 and 3.2).
+
+    Every column has a length of its own, fitted to the evidence, so that columns that do not matter are left out, and
+    any number of bands is possible. Far from everything seen the answer is one half.
+    """
 
     centre: Rows
     scale: Rows
+    lengths: Rows
+    examples: Rows
     weights: Rows
-    bias: Rows
 
     def probability(self, inputs: Rows, params: Rows) -> float:
         """How likely ``params`` work where the features are ``inputs``."""
         z = _standardised(np.concatenate([inputs, params]), self.centre, self.scale)
-        score = float(self.weights @ _products(z[None], len(inputs))[0] + self.bias[0])
+        distances = (((z - self.examples) / self.lengths) ** 2).sum(axis=1)
+        score = float(np.exp(-0.5 * distances) @ self.weights)
         return float(1 / (1 + np.exp(-np.clip(score, -30, 30))))
 
     def arrays(self) -> dict[str, NDArray[np.float64]]:
@@ -155,16 +179,34 @@ class QuadraticValidity:
     @classmethod
     def fit(cls, data: SamplerData) -> Self | None:
         """Fit to positive and negative examples; ``None`` when there are no negatives: then everything is accepted."""
-        from sklearn.linear_model import LogisticRegression
+        from sklearn.gaussian_process import GaussianProcessClassifier
+        from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
-        if not len(data.bad_params):
+        good = _spread_out(np.hstack([data.inputs, data.params]))
+        bad = _spread_out(np.hstack([data.bad_inputs, data.bad_params]))
+        if not len(bad):
             return None
-        x = np.concatenate([np.hstack([data.inputs, data.params]), np.hstack([data.bad_inputs, data.bad_params])])
-        y = np.arange(len(x)) < len(data.params)
+        x = np.concatenate([good, bad])
         centre, scale = x.mean(axis=0), _scales(x)
-        rows = _products(_standardised(x, centre, scale), data.inputs.shape[1])
-        fitted = LogisticRegression(class_weight="balanced", max_iter=2000, C=3.0).fit(rows, y)
-        return cls(centre, scale, np.asarray(fitted.coef_[0]), np.asarray(fitted.intercept_))
+        examples, varies = _standardised(x, centre, scale), np.isfinite(scale)
+        lengths = np.ones(len(scale))
+        if not varies.any():  # the same parameters worked and failed
+            return cls(centre, scale, lengths, examples[:1], np.log([len(good) / len(bad)]))
+        kernel = ConstantKernel(4.0, (1.0, 100.0)) * RBF(np.full(varies.sum(), 2.0), (0.3, 100.0))
+        process = GaussianProcessClassifier(kernel, random_state=0).fit(
+            examples[:, varies], np.arange(len(x)) < len(good)
+        )
+        fitted = process.base_estimator_
+        lengths[varies] = fitted.kernel_.k2.length_scale
+        weights = fitted.kernel_.k1.constant_value * (fitted.y_train_ - fitted.pi_)
+        return cls(centre, scale, lengths, examples, weights)
+
+
+def _spread_out(rows: Rows) -> Rows:
+    """At most ``MOST_EXAMPLES`` rows, evenly from first to last."""
+    if len(rows) <= MOST_EXAMPLES:
+        return rows
+    return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_EXAMPLES).round().astype(int)])
 
 
 def _scales(x: Rows) -> Rows:
@@ -177,14 +219,6 @@ def _standardised(x: Rows, centre: Rows, scale: Rows) -> Rows:
     return np.clip((x - centre) / scale, -_FARTHEST, _FARTHEST)
 
 
-def _products(z: Rows, inputs: int) -> Rows:
-    """Columns, squares of the parameters, and products of every parameter with everything before it."""
-    columns = [z]
-    for i in range(inputs, z.shape[1]):
-        columns.append(z[:, [i]] * z[:, : i + 1])
-    return np.hstack(columns)
-
-
 class SamplerFitter(Protocol):
     """Makes a sampler of examples of which at least one is positive."""
 
@@ -195,10 +229,14 @@ class SamplerFitter(Protocol):
 
 def fit_gaussian(data: SamplerData, low: Sequence[float], high: Sequence[float]) -> LearnedSampler:
     """The default estimators."""
+    from sklearn.exceptions import ConvergenceWarning
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # BayesianRidge divides by residuals that can be zero
+        warnings.simplefilter("ignore", ConvergenceWarning)  # a length at its bound: the column does not matter
         gaussian = LinearGaussian.fit(data, low, high)
-    return LearnedSampler("gaussian", gaussian, QuadraticValidity.fit(data), tuple(low), tuple(high))
+        validity = KernelValidity.fit(data)
+    return LearnedSampler("gaussian", gaussian, validity, tuple(low), tuple(high), CHOICES)
 
 
 def learn_samplers(

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.learning.samplers import LearnedSampler, LinearGaussian, QuadraticValidity
+from pix2pred.learning.samplers import CHOICES, KernelValidity, LearnedSampler, LinearGaussian
 from pix2pred.learning.samplers_torch import NetworkGaussian, NetworkValidity
 from pix2pred.structs.samplers import Sampler
 
-VERSION = 1
+VERSION = 2
 _BOX = ("low", "high")
 
 
@@ -67,5 +67,5 @@ def _build(name: str, parts: Mapping[str, Any]) -> LearnedSampler:
         networks = NetworkValidity.of(validity) if validity else None
         return LearnedSampler(name, NetworkGaussian.of(gaussian), networks, low, high)
     return LearnedSampler(
-        name, LinearGaussian(**gaussian), QuadraticValidity(**validity) if validity else None, low, high
+        name, LinearGaussian(**gaussian), KernelValidity(**validity) if validity else None, low, high, CHOICES
     )
