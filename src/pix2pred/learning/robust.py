@@ -46,6 +46,7 @@ class Robust:
         self._repaired = repair(data, self._base, noisy)
         self._base_of = {m.transition: c for c, cls in enumerate(self._base) for m in cls.members}
         self.data = data.relabelled(self._repaired.extensions)
+        self._usual = float(np.median(list(self._repaired.surprise.values()))) if noisy else 0.0
         self.unreliable = frozenset(p for p in noisy if self._repaired.surprise[p] > UNRELIABLE and p >= data.initial)
 
     def partition(self, predicates: Sequence[int]) -> Partition:
@@ -96,15 +97,15 @@ class Robust:
 
     def price(self, candidate: int) -> float:
         """See ``OperatorLearner``."""
-        return self.data.cost(candidate) + DOUBT * self.doubt(candidate)
+        return self.data.cost(candidate) + DOUBT * self._repaired.surprise[candidate]
 
     def doubt(self, candidate: int) -> float:
-        """See ``OperatorLearner``."""
-        return self._repaired.surprise[candidate]
+        """See ``OperatorLearner``. As many wrong labels as candidates usually have are no reason to doubt one."""
+        return max(0.0, self._repaired.surprise[candidate] - self._usual)
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
         """See ``OperatorLearner``. The labels of a candidate are explained as well as they ever will be."""
-        return self.doubt(chosen[-1])
+        return self._repaired.surprise[chosen[-1]]
 
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
         """See ``OperatorLearner``."""

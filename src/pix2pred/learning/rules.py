@@ -43,8 +43,8 @@ class ClimbingRule(Protocol):
         """The candidate to take, out of those that improve J, which come in order of name."""
         ...
 
-    def worthwhile(self, before: Score, after: Score) -> bool:
-        """Whether the chosen candidate buys enough to be taken."""
+    def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
+        """Whether the chosen candidate, of which ``doubt`` is not accounted for, buys enough to be taken."""
         ...
 
     def as_good(self, fewer: Score, reached: Score) -> bool:
@@ -86,7 +86,7 @@ class Published:
         rivals = [s for s in scored if s.score.total <= self.ceiling(smallest, 0.0)]
         return rivals[0] if self.margin == 0 or len(rivals) == 1 else best_explained(learner, rivals)
 
-    def worthwhile(self, before: Score, after: Score) -> bool:
+    def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
         """See ``ClimbingRule``. Under the improvement rule the last candidate, which buys too little, is not added
         (method 14.2)."""
         return self.early_stop == "level" or before.total - after.total > self.j_threshold
@@ -103,21 +103,21 @@ class Explained:
     """Climb while a predicate explains something: nothing to tune.
 
     J is made of nodes, which grow with the size of a task, and of charges for plans of the wrong length, which do not
-    and which say that a predicate is missing. A candidate has to save half a back-track, or most of the nodes.
+    and which say that a predicate is missing. A candidate has to save half a back-track, or nearly half of the nodes.
     """
 
     tolerance: float = 0.25
     """Candidates whose J is at most this much larger than the smallest compete if they save as many charges."""
 
-    drop: float = 1 / 3
+    drop: float = 0.55
     """What is left of J when a candidate that saves no charges is taken all the same."""
+
+    scepticism: float = 10.0
+    """How much more J counts per share of labels not accounted for: twice as much when one label in ten is not."""
 
     def finished(self, reached: Score) -> bool:
         """See ``ClimbingRule``."""
         return False
-
-    scepticism: float = 5.0
-    """How much more J counts per share of labels not accounted for: by half when one label in ten is."""
 
     def ceiling(self, j: float, doubt: float) -> float:
         """See ``ClimbingRule``."""
@@ -134,9 +134,10 @@ class Explained:
     def _weighed(self, j: float, doubt: float) -> float:
         return j * (1 + self.scepticism * doubt)
 
-    def worthwhile(self, before: Score, after: Score) -> bool:
+    def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
         """See ``ClimbingRule``."""
-        return before.charges - after.charges >= BACKTRACK / 2 or after.total <= self.drop * before.total
+        saved = before.charges - after.charges
+        return saved >= BACKTRACK / 2 or self._weighed(after.total, doubt) <= self.drop * before.total
 
     @property
     def looks_back(self) -> bool:

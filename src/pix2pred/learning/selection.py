@@ -98,7 +98,7 @@ class HillClimbing:
             if not better:
                 break
             best = self._rule.choose(self._learner, better)
-            if not self._rule.worthwhile(current.score, best.score):
+            if not self._rule.worthwhile(current.score, best.score, self._learner.doubt(best.predicate)):
                 break
             current = best
             others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
