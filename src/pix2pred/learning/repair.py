@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.learning.clustering import Partition
 from pix2pred.learning.data import NOTHING, Data, Extension, ObjectIds
+from pix2pred.learning.places import Bystanders, Places
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -57,20 +57,23 @@ class Repaired:
     """The most probable values of the noisy predicates, with what the model believes about them.
 
     ``extensions[p][demo][state]`` are the argument tuples; ``doubt[p][demo, state, args]`` is the probability that the
-    atom is true where that is not near 0 or 1; ``effects[p][c, variables]`` is ADD, DELETE or MIXED; ``surprise[p]`` is
-    the share of labels that are wrong or the outcome of a mixed effect that mostly goes the other way.
+    atom is true where that is not near 0 or 1; ``effects[p][c, variables]`` is ADD, DELETE or MIXED, where variables
+    beyond those of the class are ``bystanders`` (see ``Places``); ``surprise[p]`` is the share of labels that are wrong
+    or the outcome of a mixed effect that mostly goes the other way.
     """
 
     extensions: dict[int, list[list[Extension]]]
     doubt: dict[int, dict[tuple[int, int, ObjectIds], float]]
     effects: dict[int, dict[tuple[int, tuple[int, ...]], int]]
     surprise: dict[int, float]
+    bystanders: Bystanders
 
 
 def repair(data: Data, classes: Partition, noisy: Sequence[int]) -> Repaired:
     """Estimate errors and effects of the predicates ``noisy``, given classes of transitions made without them."""
-    places = _Places(data, classes)
-    result = Repaired({}, {}, {}, {})
+    bystanders = Bystanders.of(data)
+    places = Places(data, classes, bystanders, noisy)
+    result = Repaired({}, {}, {}, {}, bystanders)
     guess, floor = FIRST_GUESS, 0.0
     blocks = list(_blocks(data, places, noisy))
     for _ in range(2):  # the second time with the pooled error rate of the first as the prior and the least assumed
@@ -83,73 +86,6 @@ def repair(data: Data, classes: Partition, noisy: Sequence[int]) -> Repaired:
             model.store(data, places, result)
         guess = floor = float(np.clip(np.median(list(rates.values())), 1e-3, FIRST_GUESS)) if rates else guess
     return result
-
-
-class _Places:
-    """Numbers for what a transition may do to an atom: 0 nothing (no transition), 1 not among the transition's
-    variables, and from 2 on one for every (class, variables)."""
-
-    OUTSIDE = 1
-
-    def __init__(self, data: Data, classes: Partition) -> None:
-        self._data = data
-        self.keys: list[tuple[int, tuple[int, ...]]] = [(-1, ()), (-1, ())]
-        self._numbers: dict[tuple[int, tuple[int, ...]], int] = {}
-        self._classes = classes
-        self._bound: list[list[tuple[int, dict[int, int]]]] = [[] for _ in data.demos]
-        member_of = {m.transition: (c, m) for c, cls in enumerate(classes) for m in cls.members}
-        for t, tr in enumerate(data.transitions):
-            c, member = member_of[t]
-            self._bound[tr.demo].append((c, {o: v for v, o in enumerate(member.objects)}))
-        self._rows: dict[tuple[int, ObjectIds], list[int]] = {}
-        self._touched: dict[tuple[int, object], set[ObjectIds]] = {}
-
-    @property
-    def size(self) -> int:
-        return len(self.keys)
-
-    def touched(self, demo: int, predicate: int) -> set[ObjectIds]:
-        """Argument tuples of ``predicate`` that some transition of the demonstration has among its variables."""
-        types = self._data.predicates[predicate].types
-        key = (demo, types)
-        if key not in self._touched:
-            found: set[ObjectIds] = set()
-            for _, number in self._bound[demo]:
-                domains = [[o for o in number if self._data.objects[o].type.is_a(t)] for t in types]
-                found.update(args for args in product(*domains) if len(set(args)) == len(args))
-            self._touched[key] = found
-        return self._touched[key]
-
-    def row(self, demo: int, args: ObjectIds) -> list[int]:
-        """The place of an atom in every transition of a demonstration."""
-        key = (demo, args)
-        if key not in self._rows:
-            row = []
-            for c, number in self._bound[demo]:
-                if all(o in number for o in args):
-                    row.append(self._number(c, tuple(number[o] for o in args)))
-                else:
-                    row.append(self.OUTSIDE)
-            self._rows[key] = row
-        return self._rows[key]
-
-    def kin(self) -> Ints:
-        """A number per place, equal for places that are the same arguments of the same skill, whatever the class."""
-        groups: dict[object, int] = {}
-        result = []
-        for place, (c, variables) in enumerate(self.keys):
-            args = self._classes[c].skill_args if c >= 0 else ()
-            shared = c >= 0 and all(v in args for v in variables)
-            key: object = (self._classes[c].skill, *(args.index(v) for v in variables)) if shared else (place,)
-            result.append(groups.setdefault(("skill", key) if shared else key, len(groups)))
-        return np.array(result, dtype=np.int64)
-
-    def _number(self, c: int, variables: tuple[int, ...]) -> int:
-        key = (c, variables)
-        if key not in self._numbers:
-            self._numbers[key] = len(self.keys)
-            self.keys.append(key)
-        return self._numbers[key]
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +102,7 @@ class _Chains:
     places: NDArray[np.int32]
 
 
-def _blocks(data: Data, places: _Places, noisy: Sequence[int]) -> Iterator[_Chains]:
+def _blocks(data: Data, places: Places, noisy: Sequence[int]) -> Iterator[_Chains]:
     states = max((demo.states for demo in data.demos), default=0)
     rows: list[tuple[int, int, ObjectIds]] = []
     for p in noisy:
@@ -181,15 +117,15 @@ def _blocks(data: Data, places: _Places, noisy: Sequence[int]) -> Iterator[_Chai
         yield _chains(data, places, rows, states)
 
 
-def _chains(data: Data, places: _Places, rows: Sequence[tuple[int, int, ObjectIds]], states: int) -> _Chains:
+def _chains(data: Data, places: Places, rows: Sequence[tuple[int, int, ObjectIds]], states: int) -> _Chains:
     predicates = sorted({p for p, _, _ in rows})
     number = {p: i for i, p in enumerate(predicates)}
     labels = np.full((len(rows), states), -1, dtype=np.int8)
     where = np.zeros((len(rows), max(states - 1, 0)), dtype=np.int32)
     index = {row: i for i, row in enumerate(rows)}
-    for i, (_, d, args) in enumerate(rows):
+    for i, (p, d, args) in enumerate(rows):
         labels[i, : data.demos[d].states] = 0
-        where[i, : data.demos[d].states - 1] = places.row(d, args)
+        where[i, : data.demos[d].states - 1] = places.row(d, args, p)
     for p in predicates:
         for d, demo in enumerate(data.demos):
             for s in range(demo.states):
@@ -349,7 +285,7 @@ class _Model:
         self._before = np.choose(settled, [0.0, CUSTOM, -CUSTOM]).reshape(self._before.shape)
         self._before[:, :2] = 0.0
 
-    def store(self, data: Data, places: _Places, result: Repaired) -> None:
+    def store(self, data: Data, places: Places, result: Repaired) -> None:
         """Put values, doubts and effects of this block's predicates into ``result``."""
         chains = self._chains
         for i, p in enumerate(chains.predicates):

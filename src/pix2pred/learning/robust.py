@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.learning.clustering import Lifted, Memo, Partition, TransitionClass, partition
+from pix2pred.learning.clustering import Lifted, Member, Memo, Partition, TransitionClass, partition
 from pix2pred.learning.data import Data
 from pix2pred.learning.operators import Schema
 from pix2pred.learning.repair import ADD, DELETE, MIXED, repair
@@ -33,6 +33,10 @@ UNRELIABLE = 0.2
 
 DOUBT = 50.0
 """Price of wrong labels, in arguments: two in a hundred weigh as much as one argument more."""
+
+
+Effects = Sequence[tuple[tuple[int, ...], int]]
+"""What a predicate's atoms over some variables become: ADD, DELETE or MIXED."""
 
 
 class Robust:
@@ -66,12 +70,31 @@ class Robust:
             effects.setdefault(c, []).append((variables, effect))
         refined: list[TransitionClass] = []
         for cls in classes:
-            refined.extend(self._with_effects(cls, added, effects.get(self._base_of[cls.first], ())))
+            found = effects.get(self._base_of[cls.first], ())
+            refined.extend(self._with_effects(*self._with_bystanders(cls, found), added))
         return tuple(sorted(refined, key=lambda c: c.first))
 
-    def _with_effects(
-        self, cls: TransitionClass, p: int, effects: Iterable[tuple[tuple[int, ...], int]]
-    ) -> Iterable[TransitionClass]:
+    def _with_bystanders(self, cls: TransitionClass, effects: Effects) -> tuple[TransitionClass, Effects]:
+        """The class with a variable for every bystander of the effects, and the effects in its variables."""
+        own = len(self._base[self._base_of[cls.first]].types)
+        position = {v: v for v in range(own)}
+        for v in sorted({v for variables, _ in effects for v in variables if v >= own}):
+            wanted = self._repaired.bystanders.types[v - own]
+            if wanted not in cls.types[own:]:
+                cls = self._with_bystander(cls, v - own)
+            position[v] = own + cls.types[own:].index(wanted)
+        return cls, [(tuple(position[v] for v in variables), effect) for variables, effect in effects]
+
+    def _with_bystander(self, cls: TransitionClass, which: int) -> TransitionClass:
+        objects = self._repaired.bystanders.objects
+        demos = [self.data.transitions[m.transition].demo for m in cls.members]
+        members = [
+            Member(m.transition, (*m.objects, objects[d][which])) for m, d in zip(cls.members, demos, strict=True)
+        ]
+        types = (*cls.types, self._repaired.bystanders.types[which])
+        return replace(cls, types=types, members=tuple(members), memo=Memo())
+
+    def _with_effects(self, cls: TransitionClass, effects: Effects, p: int) -> Iterable[TransitionClass]:
         add: list[Lifted] = [(p, v) for v, effect in effects if effect == ADD]
         delete: list[Lifted] = [(p, v) for v, effect in effects if effect == DELETE]
         mixed = [v for v, effect in effects if effect == MIXED]

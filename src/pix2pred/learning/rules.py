@@ -39,12 +39,17 @@ class ClimbingRule(Protocol):
         labels not accounted for, has ``j``."""
         ...
 
-    def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
-        """The candidate to take, out of those that improve J, which come in order of name."""
+    def choose(self, learner: OperatorLearner, scored: Sequence[Scored], *, trial: bool = False) -> Scored:
+        """The candidate to take, out of those that improve J, which come in order of name. ``trial``: the one before
+        was not worthwhile by itself."""
         ...
 
     def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
         """Whether the chosen candidate, of which ``doubt`` is not accounted for, buys enough to be taken."""
+        ...
+
+    def hopeful(self, reached: Score, trials: int) -> bool:
+        """Whether to go on from a set whose last ``trials`` candidates have not been worthwhile together."""
         ...
 
     def as_good(self, fewer: Score, reached: Score) -> bool:
@@ -80,7 +85,7 @@ class Published:
         """See ``ClimbingRule``. Labels are taken at their word."""
         return j + self.margin
 
-    def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
+    def choose(self, learner: OperatorLearner, scored: Sequence[Scored], *, trial: bool = False) -> Scored:
         """See ``ClimbingRule``."""
         smallest = min(s.score.total for s in scored)
         rivals = [s for s in scored if s.score.total <= self.ceiling(smallest, 0.0)]
@@ -90,6 +95,10 @@ class Published:
         """See ``ClimbingRule``. Under the improvement rule the last candidate, which buys too little, is not added
         (method 14.2)."""
         return self.early_stop == "level" or before.total - after.total > self.j_threshold
+
+    def hopeful(self, reached: Score, trials: int) -> bool:
+        """See ``ClimbingRule``."""
+        return False
 
     def as_good(self, fewer: Score, reached: Score) -> bool:
         """See ``ClimbingRule``: whether the early stop would not have asked for the predicate."""
@@ -109,6 +118,9 @@ class Explained:
     tolerance: float = 0.25
     """Candidates whose J is at most this much larger than the smallest compete if they save as many charges."""
 
+    trials: int = 2
+    """Candidates taken in advance while charges are left: two predicates may only together save a back-track."""
+
     drop: float = 0.55
     """What is left of J when a candidate that saves no charges is taken all the same."""
 
@@ -123,10 +135,12 @@ class Explained:
         """See ``ClimbingRule``."""
         return self._weighed(j, doubt) * (1 + self.tolerance) + 1
 
-    def choose(self, learner: OperatorLearner, scored: Sequence[Scored]) -> Scored:
+    def choose(self, learner: OperatorLearner, scored: Sequence[Scored], *, trial: bool = False) -> Scored:
         """See ``ClimbingRule``."""
         weighed = {s.predicate: self._weighed(s.score.total, learner.doubt(s.predicate)) for s in scored}
         best = min(scored, key=lambda s: weighed[s.predicate])
+        if trial:  # charges are most of J and the same for all, so that nearly all would compete
+            return best
         highest = self.ceiling(best.score.total, learner.doubt(best.predicate))
         rivals = [s for s in scored if weighed[s.predicate] <= highest]
         return best_explained(learner, [s for s in rivals if s.score.charges <= best.score.charges + BACKTRACK / 2])
@@ -138,6 +152,10 @@ class Explained:
         """See ``ClimbingRule``."""
         saved = before.charges - after.charges
         return saved >= BACKTRACK / 2 or self._weighed(after.total, doubt) <= self.drop * before.total
+
+    def hopeful(self, reached: Score, trials: int) -> bool:
+        """See ``ClimbingRule``."""
+        return reached.charges >= BACKTRACK / 2 and trials <= self.trials
 
     @property
     def looks_back(self) -> bool:

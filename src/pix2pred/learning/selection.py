@@ -92,19 +92,30 @@ class HillClimbing:
         self._evaluations = self._scored = 1
         self._budget_hits = score.budget_hits
         steps = [Step(None, score.total, score.demos, ())]
+        ahead: list[Step] = []  # taken on trial: they count once a later one pays for them
+        reached = current
         while not self._rule.finished(current.score):
             scored = self._expand(current, progress)
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
                 break
-            best = self._rule.choose(self._learner, better)
-            if not self._rule.worthwhile(current.score, best.score, self._learner.doubt(best.predicate)):
+            best = self._rule.choose(self._learner, better, trial=bool(ahead))
+            ahead.append(self._step(best, scored))
+            doubt = self._learner.doubt(best.predicate)
+            if self._rule.worthwhile(reached.score, best.score, doubt):
+                reached = best
+                steps += ahead
+                ahead = []
+            elif not self._rule.hopeful(best.score, len(ahead)):
                 break
             current = best
-            others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
-            runners_up = tuple(RunnerUp(data.predicates[s.predicate], s.score.total, s.score.exact) for s in others)
-            steps.append(Step(data.predicates[best.predicate], best.score.total, best.score.demos, runners_up))
-        return self._finish(current.chosen, self._without_superseded(current), steps)
+        return self._finish(reached.chosen, self._without_superseded(reached), steps)
+
+    def _step(self, best: Scored, scored: Sequence[Scored]) -> Step:
+        others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:10]
+        names = self._data.predicates
+        runners_up = tuple(RunnerUp(names[s.predicate], s.score.total, s.score.exact) for s in others)
+        return Step(names[best.predicate], best.score.total, best.score.demos, runners_up)
 
     def score(self, chosen: Sequence[Predicate]) -> Score:
         """J of a given set of candidates. Raises ``ValueError`` for one that is never true, thus no candidate."""
