@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from command_line import Cli
+from pix2pred.learning import LearningSettings
 
 DATA = Path(__file__).parents[1] / "data"
 WORKLOAD = DATA / "workloads" / "more_stacks_n100_noise2.json.gz"
@@ -47,6 +48,13 @@ def test_options_override_the_file(cli: Cli, tmp_path: Path) -> None:
     ran = cli("select", WORKLOAD, "--out", tmp_path / "s.json", *args)
     assert ran.json["settings"]["early_stop"] == "improvement"
     assert ran.json["settings"]["h_pre_frac"] == 0.7
+
+
+def test_every_setting_is_an_option_and_a_wrong_value_is_named(cli: Cli, tmp_path: Path) -> None:
+    ran = cli("select", WORKLOAD, "--out", tmp_path / "s.json", "--h-pre-frac", 7)
+    assert "--h-pre-frac: Input should be less than or equal to 1, found '7'" in ran.err and ran.code == 2
+    shown = cli("select", "--help").out
+    assert all(f"--{name.replace('_', '-')}" in shown for name in LearningSettings.model_fields)
 
 
 def _broken(change: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from cyclopts import App, CycloptsError
+from pydantic import ValidationError
 
 from pix2pred import __version__
 from pix2pred.baselines.sandbox import SandboxError
@@ -96,7 +97,7 @@ def run(argv: Sequence[str] | None = None) -> int:
     try:
         result = app(argv, exit_on_error=False, print_error=False, result_action="return_value")
     except CycloptsError as error:
-        return _complain(str(error), "see 'pix2pred --help'")
+        return _complain(_in_options(error), "see 'pix2pred --help'")
     except KeyboardInterrupt:
         print("\ninterrupted; the same command goes on where this one stopped", file=sys.stderr)
         return 130
@@ -108,6 +109,16 @@ def run(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _complain(f"{error.filename or ''}: {error.strerror or error}".lstrip(": "))
     return result if isinstance(result, int) else 0
+
+
+def _in_options(error: CycloptsError) -> str:
+    """The error in the words of the command line: settings are checked by pydantic, which names fields."""
+    cause = error.__cause__
+    if not isinstance(cause, ValidationError):
+        return str(error)
+    first = cause.errors()[0]
+    option = "-".join(str(part) for part in first["loc"]).replace("_", "-")
+    return f"--{option}: {first['msg']}, found {first['input']!r}"
 
 
 def _complain(message: str, hint: str = "") -> int:

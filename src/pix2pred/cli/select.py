@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 from pydantic import ValidationError
@@ -28,6 +28,8 @@ from pix2pred.structs import Predicate, WorldModel
 from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.files import write_whole
 
+PUBLISHED = LearningSettings()
+
 
 def select(
     file: Path,
@@ -37,16 +39,7 @@ def select(
     pddl: Annotated[Path | None, Parameter(help="Folder for domain.pddl and a problem per demonstration.")] = None,
     score: Annotated[str | None, Parameter(help="Score this set (A,B; empty: none) instead of searching.")] = None,
     tie_seeds: Annotated[int, Parameter(help="With --score: min, median, max of J over this many seeds.")] = 0,
-    operators: Literal["cluster-and-intersect", "robust"] | None = None,
-    engine: Literal["grouped", "exact-tree"] | None = None,
-    h_pre_frac: float | None = None,
-    h_data_frac: float | None = None,
-    j_threshold: float | None = None,
-    early_stop: Literal["level", "improvement"] | None = None,
-    precondition_rule: Literal["at_least", "more_than"] | None = None,
-    max_plans: int | None = None,
-    node_budget: int | None = None,
-    tie_seed: int | None = None,
+    chosen: Annotated[LearningSettings, Parameter(name="*", group="Settings, over those in the file")] = PUBLISHED,
     jobs: Annotated[int, Parameter(help="Workers that share the planning searches; the result is the same.")] = 1,
     backend: Annotated[Backend, Parameter(help="Engine of the workers; dask and ray are extras.")] = Backend.LOKY,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
@@ -61,13 +54,7 @@ def select(
     if (score is None and tie_seeds) or (score is not None and pddl is not None):
         raise TracesError("--tie-seeds goes with --score, and --pddl goes without it")
     traces = load_traces(file)
-    options = {
-        "operators": operators, "engine": engine, "h_pre_frac": h_pre_frac, "h_data_frac": h_data_frac,
-        "j_threshold": j_threshold,
-        "early_stop": early_stop, "precondition_rule": precondition_rule, "max_plans": max_plans,
-        "node_budget": node_budget, "tie_seed": tie_seed,
-    }  # fmt: skip
-    settings = _settings(file, traces, {k: v for k, v in options.items() if v is not None})
+    settings = _settings(file, traces, {name: getattr(chosen, name) for name in chosen.model_fields_set})
     wall, cpu = time.perf_counter(), time.process_time()
     with bars() as progress:
         if score is not None:
