@@ -37,6 +37,9 @@ CHOICES = 10
 """Accepted draws of which the default sampler uses the likeliest. Where half of what is tried works, so would half of
 all draws that are merely more likely than not."""
 
+LEAST_EXAMPLES = 5
+"""Positive and negative examples without which, each, there is no classifier: anything tells two points from one."""
+
 MOST_EXAMPLES = 150
 """Positive and negative examples that the classifier is fitted to, each; fitting grows with the third power."""
 
@@ -178,14 +181,14 @@ class KernelValidity:
 
     @classmethod
     def fit(cls, data: SamplerData) -> Self | None:
-        """Fit to positive and negative examples; ``None`` when there are no negatives: then everything is accepted."""
+        """Fit to positive and negative examples; ``None`` when there are too few: then everything is accepted."""
         from sklearn.gaussian_process import GaussianProcessClassifier
         from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
+        if min(len(data.params), len(data.bad_params)) < LEAST_EXAMPLES:
+            return None
         good = _spread_out(np.hstack([data.inputs, data.params]))
         bad = _spread_out(np.hstack([data.bad_inputs, data.bad_params]))
-        if not len(bad):
-            return None
         x = np.concatenate([good, bad])
         centre, scale = x.mean(axis=0), _scales(x)
         examples, varies = _standardised(x, centre, scale), np.isfinite(scale)
