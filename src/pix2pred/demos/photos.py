@@ -163,9 +163,11 @@ def clean_copies(series: PhotoSeries, max_side: int, found: list[Problem]) -> It
         yield state
 
 
-def clean_copy(path: Path, max_side: int = MAX_SIDE) -> Image:
+def clean_copy(path: Path, max_side: int | None = MAX_SIDE) -> Image:
     """The pixels of a photo and nothing else: no place, time, owner, thumbnail. Raises ``PictureError``."""
-    pixels = scaled(load_picture(path), max_side)
+    pixels = load_picture(path)
+    if max_side is not None:
+        pixels = scaled(pixels, max_side)
     with path.open("rb") as file:
         is_png = file.read(len(PNG_START)) == PNG_START
     return Image.from_pixels(pixels) if is_png else as_jpeg(pixels)
