@@ -29,17 +29,20 @@ class Page(HTMLParser):
         super().__init__()
         self.tags: list[tuple[str, dict[str, str | None]]] = []
         self.data: dict[str, Any] = {}
-        self._in_data = False
+        self.pictures: list[str] = []
+        self._inside: str | None = None
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append((tag, dict(attrs)))
-        self._in_data = tag == "script" and dict(attrs).get("id") == "data"
+        self._inside = dict(attrs).get("id") if tag == "script" else None
 
     def handle_data(self, data: str) -> None:
-        if self._in_data:
+        if self._inside == "data":
             self.data = json.loads(data)
-            self._in_data = False
+        elif self._inside == "pictures":
+            self.pictures = data.split("\n")
+        self._inside = None
 
     def count(self, tag: str) -> int:
         return sum(name == tag for name, _ in self.tags)
@@ -50,7 +53,8 @@ def page(run: RunFolder) -> Page:
 
 
 def test_labels_pictures_and_explanations_are_inside(run: RunFolder) -> None:
-    data = page(run).data
+    parsed = page(run)
+    data = parsed.data
     lit = next(i for i, p in enumerate(data["predicates"]) if p["phrase"] == "lit")
     demo = data["demos"][0]
     rows = {tuple(atom): i for i, atom in enumerate(demo["atoms"])}
@@ -59,8 +63,8 @@ def test_labels_pictures_and_explanations_are_inside(run: RunFolder) -> None:
     assert demo["labels"][row] == "011"
     assert [data["explanations"][n] for n in demo["why"][str(row)]] == [f"As seen {BOMB}"] * 3
     assert len({s[0]["picture"] for s in demo["states"]}) == 3
-    assert all(uri.startswith("data:image/webp;base64,") for uri in data["pictures"])
-    assert len(data["pictures"]) == len(set(data["pictures"])) == 6
+    assert all(uri.startswith("data:image/webp;base64,") for uri in parsed.pictures)
+    assert len(parsed.pictures) == len(set(parsed.pictures)) == 6
     assert demo["states"][1][0]["crop"] is not None
 
 
@@ -96,17 +100,17 @@ def test_nothing_is_loaded_from_outside(run: RunFolder) -> None:
 
 def test_hostile_texts_stay_texts(run: RunFolder) -> None:
     parsed = page(run)
-    assert parsed.count("script") == 2  # data and program
+    assert parsed.count("script") == 3  # data, program and pictures
     assert parsed.count("img") == 0
     assert not any(name.startswith("on") for _, attributes in parsed.tags for name in attributes)
     review = Page(render(load_contents(run), review=True))
-    assert (review.count("script"), review.count("img")) == (3, 0)
+    assert (review.count("script"), review.count("img")) == (4, 0)
 
 
 def test_markup_in_descriptors_names_and_answers_stays_text(tmp_path: Path) -> None:
     """In the report, and in the page that ``pix2pred review`` serves."""
     run = learn_lamps(tmp_path, f"<b onclick=boom>{BOMB.replace('/', '')}", descriptor=f"arm {BOMB}")
-    for text, scripts in (((run.path / REPORT).read_text(), 2), (render(load_contents(run), review=True), 3)):
+    for text, scripts in (((run.path / REPORT).read_text(), 3), (render(load_contents(run), review=True), 4)):
         parsed = Page(text)
         assert (parsed.count("script"), parsed.count("img"), parsed.count("b")) == (scripts, 0, 0)
         assert not any(name.startswith("on") for _, attributes in parsed.tags for name in attributes)

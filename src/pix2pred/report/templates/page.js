@@ -24,15 +24,12 @@ function svg(name, attributes, ...children) {
 }
 function say(text) { $("said").textContent = text; }
 
-const urls = [];
-function pictureUrl(number) {
-  if (!(number in urls)) {
-    const uri = data.pictures[number];
-    if (!uri) return urls[number] = null;
-    const bytes = Uint8Array.from(atob(uri.slice(uri.indexOf(",") + 1)), (c) => c.charCodeAt(0));
-    urls[number] = URL.createObjectURL(new Blob([bytes], { type: "image/webp" }));
-  }
-  return urls[number];
+/* Pictures, one a line, come last in the page, so that tables need not wait for them. */
+let uris = null;
+function embed(node, attribute, number, otherwise) {
+  if (document.readyState === "loading") { document.addEventListener("DOMContentLoaded", () => embed(node, attribute, number, otherwise), { once: true }); return; }
+  uris ??= $("pictures").textContent.split("\n");
+  if (uris[number]) node.setAttribute(attribute, uris[number]); else otherwise();
 }
 
 for (const demo of data.demos) {
@@ -69,10 +66,9 @@ function header(d) {
     const action = t ? demo.actions[t - 1].text : null;
     const words = el("span", { class: "action" });
     if (action) { const cut = action.indexOf("("); words.append("→ ", el("b", {}, action.slice(0, cut)), action.slice(cut)); } else words.append("start");
-    const picture = demo.states[t]?.[0];
-    const url = picture ? pictureUrl(picture.picture) : null;
-    const button = el("button", { type: "button", "aria-label": `Show state ${t} of ${demo.name}`, tabindex: t ? "-1" : null },
-      url ? el("img", { src: url, alt: "", loading: "lazy", decoding: "async" }) : null);
+    const picture = demo.states[t]?.[0], image = picture && el("img", { alt: "", loading: "lazy", decoding: "async" });
+    if (picture) embed(image, "src", picture.picture, () => image.remove());
+    const button = el("button", { type: "button", "aria-label": `Show state ${t} of ${demo.name}`, tabindex: t ? "-1" : null }, image);
     button.addEventListener("click", () => showState(d, t));
     row.append(el("th", { scope: "col", id: `d${d}-s${t}`, "data-state": t }, words, button, el("span", { class: "state" }, `state ${t}`)));
   }
@@ -178,11 +174,15 @@ function reveal(td) {
 }
 
 function drawing(picture, objects, crop) {
-  const [w, h] = picture.size, url = pictureUrl(picture.picture);
+  const [w, h] = picture.size, image = svg("image", { x: 0, y: 0, width: w, height: h, preserveAspectRatio: "none" });
   const view = crop ? [crop[0], crop[1], crop[2] - crop[0], crop[3] - crop[1]] : [0, 0, w, h];
   const figure = svg("svg", { class: "picture", viewBox: view.join(" "), role: "img", "aria-label": objects.length ? `picture with ${objects.join(", ")} framed` : "picture" });
-  if (url) figure.append(svg("image", { href: url, x: 0, y: 0, width: w, height: h, preserveAspectRatio: "none" }));
-  else { const t = svg("text", { x: w / 2, y: h / 2, "text-anchor": "middle" }); t.textContent = "no picture stored"; figure.append(t); }
+  figure.append(image);
+  embed(image, "href", picture.picture, () => {
+    const t = svg("text", { x: w / 2, y: h / 2, "text-anchor": "middle" });
+    t.textContent = "no picture stored";
+    image.replaceWith(t);
+  });
   for (const name of objects) {
     const box = picture.boxes[name];
     if (!box) continue;
@@ -261,6 +261,10 @@ for (const node of document.querySelectorAll("svg .node")) {
   for (const event of ["mouseenter", "focus"]) node.addEventListener(event, light(true));
   for (const event of ["mouseleave", "blur"]) node.addEventListener(event, light(false));
 }
+/* What is further down is laid out when the page is there and nobody waits. */
+const later = [...document.querySelectorAll("section.later")], idle = window.requestIdleCallback || setTimeout;
+function layOut() { const section = later.shift(); if (section) { section.classList.remove("later"); idle(layOut); } }
+addEventListener("load", () => idle(layOut));
 const links = new Map([...document.querySelectorAll("nav a")].map((a) => [a.getAttribute("href").slice(1), a]));
 const watcher = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting) for (const [id, a] of links) a.classList.toggle("here", id === entry.target.id);
