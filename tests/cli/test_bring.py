@@ -93,7 +93,9 @@ def test_terminated_among_the_photos_nothing_is_left_behind(tmp_path: Path) -> N
     for i in range(1, 400):
         (tmp_path / f"photos/{i}.png").hardlink_to(first)
     program = "from pix2pred.cli import main; main()"
-    command = [sys.executable, "-c", program, "init", tmp_path / "tea", "--from-photos", tmp_path / "photos"]
+    command: list[str | Path] = [
+        sys.executable, "-c", program, "init", tmp_path / "tea", "--from-photos", tmp_path / "photos"
+    ]  # fmt: skip
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while process.poll() is None and not list(tmp_path.glob(".pix2pred-*/new/demos/*/images/1")):
         time.sleep(0.02)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from pix2pred.learning.clustering import Lifted
-from pix2pred.learning.data import Data
+from pix2pred.learning.data import Data, Extension
 from pix2pred.learning.doubts import Doubt, Timeline, doubted
 from pix2pred.learning.engines import climbing_rule, hill_climbing, skeleton_search
 from pix2pred.learning.learner import ClusterAndIntersect
@@ -127,8 +127,7 @@ def _eliminated(
         return learning.distance([considered[k] for k in left if k != i])
 
     for i in reversed(range(len(considered))):
-        lost = without(i) - distance
-        if abs(lost) < NOTHING_LOST:
+        if abs(without(i) - distance) < NOTHING_LOST:
             left.remove(i)
             last.append((i, 0.0))
     while left:
@@ -144,27 +143,40 @@ class _Learning:
     """How far the published learner is from the probable model, with some of the doubted labels set."""
 
     def __init__(self, table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]) -> None:
-        self._table = table
+        self._data = Data(table)
+        self._demos = {demo.name: d for d, demo in enumerate(table.demos)}
+        self._objects = {o: i for i, o in enumerate(self._data.objects)}
         self._settings = settings
         self._search = _Remembered(skeleton_search(settings))
         climb, learner = self._learner(labels)
-        self._path = [step.added for step in climb.run().steps if step.added]
-        self._path += [c.predicate for c in table.candidates() if c.predicate not in self._path]
+        path = [step.added for step in climb.run().steps if step.added]
+        self._path = [*path, *(c.predicate for c in table.candidates() if c.predicate not in path)]
         self._target = _operators(learner)
 
     def distance(self, labels: Sequence[tuple[Timeline, Doubt]]) -> float:
         """Operators that differ, and log J of the sets of predicates on the way to the probable model."""
         climb, learner = self._learner(labels)
-        known = set(learner.data.predicates)
-        path = [p for p in self._path if p in known]
-        j = [climb.score(path[: k + 1]).total for k in range(len(path))]
+        j = [climb.score(self._path[: k + 1]).total for k in range(len(self._path))]
         return sum(log(max(x, 1.0)) for x in j) + len(_operators(learner) ^ self._target)
 
     def _learner(self, labels: Sequence[tuple[Timeline, Doubt]]) -> tuple[HillClimbing, ClusterAndIntersect]:
-        table = with_labels(self._table, {(t.demo, t.atom, d.state): d.likely for t, d in labels})
-        learner = ClusterAndIntersect(Data(table), self._settings)
+        learner = ClusterAndIntersect(self._data.relabelled(self._likely(labels)), self._settings)
         rule = climbing_rule(self._settings)
         return HillClimbing(learner, self._search, rule, static_demos=self._settings.static_demos), learner
+
+    def _likely(self, labels: Sequence[tuple[Timeline, Doubt]]) -> dict[int, list[list[Extension]]]:
+        """By predicate, demonstration and state what is true when ``labels`` have their likely values."""
+        data = self._data
+        values: dict[int, list[list[Extension]]] = {}
+        for timeline, doubt in labels:
+            p = data.predicates.index(timeline.atom.predicate)
+            if p not in values:
+                values[p] = [[data.extension(d, s, p) for s in range(demo.states)] for d, demo in enumerate(data.demos)]
+            states = values[p][self._demos[timeline.demo]]
+            args = {tuple(self._objects[o] for o in timeline.atom.objects)}
+            before = states[doubt.state]
+            states[doubt.state] = before | args if doubt.likely == TRUE else before - args
+        return values
 
 
 class _Remembered:
