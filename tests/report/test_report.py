@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from lamps_run import BOMB, learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.report import REPORT, load_contents, render, write_report
+from pix2pred.report.attention import unsure
 from pix2pred.run_folder import RunFolder, RunFolderError
 from pix2pred.runs import relearn
 
@@ -142,6 +145,22 @@ def test_corrections_reach_learning_and_the_report_shows_before_and_after(tmp_pa
     row = next(i for i, atom in enumerate(demo["atoms"]) if atom[0] == bright and demo["objects"][atom[1]][0] == "l1")
     assert (demo["labels"][row], demo["said"][str(row)]) == ("100", "000")
     assert [h["corrections"] for h in load_contents(run).history] == [0, 3]
+
+
+def test_labels_that_the_model_was_unsure_of_are_listed(run: RunFolder) -> None:
+    contents = load_contents(run)
+    demos = []
+    for demo in contents.table.demos:
+        confidence = np.full(demo.values.shape, np.nan, dtype=np.float32)
+        confidence[1, :] = 0.6 if demo.name == "d1" else 0.95
+        demos.append(replace(demo, confidence=confidence))
+    advice = {**contents.advice, "predicates": ["lit0"]}
+    voted = replace(contents, advice=advice, table=replace(contents.table, demos=tuple(demos)))
+    found = unsure(voted)
+    assert {(u.demo, u.state, u.atom[0]) for u in found} == {("d1", 1, "lit0")}
+    assert unsure(contents) == [] and "unsure of" not in render(contents)
+    text = render(voted)
+    assert "the model itself was unsure of" in text and f"{found[0].text}, d1, state 1: " in text
 
 
 def test_an_unfinished_run_is_refused(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from markupsafe import Markup
 from pix2pred import __version__
 from pix2pred.learning import Reading, Verdict
 from pix2pred.predicates import Corrections
-from pix2pred.report.attention import suspicions
+from pix2pred.report.attention import suspicions, unsure
 from pix2pred.report.changes import changes
 from pix2pred.report.contents import Contents
 from pix2pred.report.curve import j_text, selection_curve
@@ -68,6 +68,7 @@ def render(contents: Contents, *, review: bool = False) -> str:
         usage=_usage(contents.timings),
         changes=changes(contents),
         suspicions=suspicious,
+        unsure=unsure(contents),
         demo_numbers={demo.name: d for d, demo in enumerate(contents.shown.demos)},
     )
 
