@@ -193,6 +193,16 @@ def test_the_page_of_a_plan_asks_for_nothing_and_runs_nothing(page: Any, tmp_pat
     assert all(url.startswith(("data:", "file:")) for url in page.asked)
 
 
+def test_names_that_every_javascript_object_has(page: Any, run: RunFolder) -> None:
+    path = run.path / "named.html"
+    path.write_text((run.path / REPORT).read_text().replace("robby", "constructor").replace("lit0", "valueOf"))
+    page.goto(path.resolve().as_uri())
+    page.locator("#filter").select_option("all")
+    page.locator('#d0 td[aria-label^="valueOf(l1), state 1"]').focus()
+    page.locator("#d0-s1 button").click()
+    assert "Press(constructor, l1)" in page.locator("#d0 .panel").inner_text()
+
+
 def test_a_large_report_is_small_and_quick(page: Any, run: RunFolder) -> None:
     """12 demonstrations, 100 predicates and pictures that all differ, in the form that real runs have."""
     text = (run.path / REPORT).read_text()

@@ -4,7 +4,8 @@ const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
 const VALUE = { "1": ["t", "T", "true"], "0": ["f", "F", "false"], "?": ["u", "?", "unknown"] };
 const near = new Set(["selected", "given", "runner-up", "same", "dropped"]);
-const page = { data, tables: new Map(), current: null, el, say, valueWord: (v) => VALUE[v][2] };
+const own = (map, key) => (Object.hasOwn(map, key) ? map[key] : undefined); /* "constructor" may be a name, too */
+const page = { data, tables: new Map(), current: null, el, say, own, valueWord: (v) => VALUE[v][2] };
 window.pix2pred = page;
 
 function el(name, attributes, ...children) {
@@ -36,7 +37,7 @@ for (const demo of data.demos) {
   demo.names = demo.atoms.map(([p, ...objects]) => objects.map((o) => demo.objects[o][0]));
   demo.index = new Map(demo.atoms.map(([p], i) => [[data.predicates[p].name, ...demo.names[i]].join(" "), i]));
 }
-page.predicateName = (p) => (data.corrections.names[data.predicates[p].name] || data.predicates[p].name);
+page.predicateName = (p) => (own(data.corrections.names, data.predicates[p].name) || data.predicates[p].name);
 page.atomText = (d, row) => `${page.predicateName(data.demos[d].atoms[row][0])}(${data.demos[d].names[row].join(", ")})`;
 const doubted = new Map();
 for (const s of data.suspicions) {
@@ -50,7 +51,7 @@ page.said = (d, row, state) => (data.demos[d].said[row] || data.demos[d].labels[
 
 function wanted(predicate) {
   const text = $("search").value.trim().toLowerCase();
-  const name = (data.corrections.names[predicate.name] || predicate.name).toLowerCase();
+  const name = (own(data.corrections.names, predicate.name) || predicate.name).toLowerCase();
   if (text) return name.includes(text) || predicate.name.toLowerCase().includes(text);
   const filter = $("filter").value;
   if (filter === "all") return true;
@@ -184,7 +185,7 @@ function drawing(picture, objects, crop) {
     image.replaceWith(t);
   });
   for (const name of objects) {
-    const box = picture.boxes[name];
+    const box = own(picture.boxes, name);
     if (!box) continue;
     figure.append(svg("rect", { class: "object", x: box[0], y: box[1], width: box[2] - box[0], height: box[3] - box[1], rx: 3 }));
     const t = svg("text", { x: box[0] + 3, y: Math.max(view[1] + 14, box[1] - 5) });
