@@ -5,6 +5,10 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +18,7 @@ import pytest
 from cli.photos_of_tea import ACTIONS, GOAL, OPTIONS, fill_in, take_photos
 from command_line import Cli
 from demos.importers.made_data import sidecar, write_dataset, write_video
-from demos.photo_files import SECRET
+from demos.photo_files import SECRET, photo
 from extras import need
 from pix2pred.cli.init import interview
 from pix2pred.demos import read_project
@@ -82,6 +86,22 @@ def test_bad_photos_leave_nothing_behind(cli: Cli, tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["photos"]
     ran = cli("init", tmp_path / "photos" / "tea", "--from-photos", tmp_path / "photos")
     assert ran.code == 2 and "lies among the photos" in ran.err
+
+
+def test_terminated_among_the_photos_nothing_is_left_behind(tmp_path: Path) -> None:
+    first = photo(tmp_path / "photos/0.png", size=(1600, 1200))
+    for i in range(1, 400):
+        (tmp_path / f"photos/{i}.png").hardlink_to(first)
+    program = "from pix2pred.cli import main; main()"
+    command: list[str | Path] = [
+        sys.executable, "-c", program, "init", tmp_path / "tea", "--from-photos", tmp_path / "photos"
+    ]  # fmt: skip
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and not list(tmp_path.glob(".pix2pred-*/new/demos/*/images/1")):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(30) == 128 + signal.SIGTERM
+    assert [p.name for p in tmp_path.iterdir()] == ["photos"]
 
 
 def test_what_is_declared_wrongly_is_said_at_once(cli: Cli, tmp_path: Path) -> None:

@@ -13,8 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import PIL.Image
 import pytest
 from markupsafe import escape
+from PIL.ExifTags import Base
 
 import cli.hostile_lamps as lamps
 import pix2pred.api
@@ -24,7 +27,7 @@ from lamps_run import BOMB, learn_lamps
 from pix2pred.planning import is_valid
 from pix2pred.planning.pddl_read import read_domain, read_problem
 from pix2pred.report.plan_page import POLICY
-from pix2pred.structs import GroundOperator
+from pix2pred.structs import GroundOperator, Image
 from pix2pred.vlm import Request
 
 Person = Callable[..., None]
@@ -161,6 +164,19 @@ def test_the_same_command_goes_on_where_the_input_ended(cli: Cli, run: Path, typ
     assert cli(*command).code == 0  # nothing is left to do
     retaken = cli(*command, "--retake")
     assert retaken.code == 1 and len(plan_json(run / "plans/t0")["executed"]) == 1
+
+
+def test_photos_of_a_session_keep_neither_place_nor_owner(cli: Cli, run: Path, types: Person) -> None:
+    path = photo("a.png", 1)
+    exif = PIL.Image.Exif()
+    exif[Base.Artist] = "Ada Lovelace"
+    with PIL.Image.open(path) as opened:
+        opened.save(path, exif=exif)
+    types(path, "")
+    cli("plan", run, "--task", task(run), "--interactive")
+    assert b"Lovelace" in path.read_bytes()
+    kept = run / "plans/t0/images/1/main.png"
+    assert b"eXIf" not in kept.read_bytes() and np.array_equal(Image(kept).pixels(), Image(path).pixels())
 
 
 def test_a_session_of_another_task_is_refused(cli: Cli, run: Path, types: Person) -> None:

@@ -49,3 +49,14 @@ def test_a_failure_before_moving_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError), staged(tmp_path / "new"):
         raise RuntimeError
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_killed_process_left_is_removed_and_what_another_writes_is_not(tmp_path: Path) -> None:
+    for name in ("killed", "foreign"):
+        (tmp_path / f".pix2pred-{name}" / "new" / "demos").mkdir(parents=True)
+    (tmp_path / ".pix2pred-killed" / "lock").touch()
+    with staged(tmp_path) as first:
+        assert [p.name for p in tmp_path.glob(".pix2pred-*") if p != first.parent] == [".pix2pred-foreign"]
+        with staged(tmp_path):
+            assert first.is_dir()
+    assert [p.name for p in tmp_path.iterdir()] == [".pix2pred-foreign"]

@@ -129,6 +129,18 @@ def test_the_label_that_stands_in_the_way_comes_first() -> None:
     assert advise(corrected, settings).labels == ()
 
 
+def test_labels_that_help_only_together_come_before_those_that_do_nothing() -> None:
+    """Four of fourteen transitions make a wrong operator, two would be too few to: one fix alone buys nothing."""
+    late = [served(f"late{i}", [], [], [HOT(A), DONE(A)]) for i in range(4)]
+    single = [served("b0", [HOT(B)], *RIGHT[1:]), served("b1", [], [HOT(A), HOT(B)], [HOT(A), DONE(A)])]
+    mixed = table([DONE], [HOT], [*(served(f"d{i}", *RIGHT) for i in range(8)), *late, *single])
+    labels = advise(mixed, LearningSettings(h_data_frac=0.15, j_threshold=1)).labels
+    assert {a.demo for a in labels} == {d.name for d in (*late, *single)}
+    needed, rest = labels[:2], labels[2:]
+    assert {a.demo[:4] for a in needed} == {"late"} and all(abs(a.gain) < 0.1 for a in rest)
+    assert needed[0].gain + needed[1].gain > 0 == round(needed[0].gain, 3)
+
+
 def test_changed_labels_leave_the_table_as_it_was() -> None:
     mixed = with_a_mistake()
     before = [d.values.copy() for d in mixed.demos]

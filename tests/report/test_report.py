@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from lamps_run import BOMB, learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.report import REPORT, load_contents, render, write_report
+from pix2pred.report.attention import unsure
 from pix2pred.run_folder import RunFolder, RunFolderError
 from pix2pred.runs import relearn
 
@@ -29,17 +32,20 @@ class Page(HTMLParser):
         super().__init__()
         self.tags: list[tuple[str, dict[str, str | None]]] = []
         self.data: dict[str, Any] = {}
-        self._in_data = False
+        self.pictures: list[str] = []
+        self._inside: str | None = None
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append((tag, dict(attrs)))
-        self._in_data = tag == "script" and dict(attrs).get("id") == "data"
+        self._inside = dict(attrs).get("id") if tag == "script" else None
 
     def handle_data(self, data: str) -> None:
-        if self._in_data:
+        if self._inside == "data":
             self.data = json.loads(data)
-            self._in_data = False
+        elif self._inside == "pictures":
+            self.pictures = data.split("\n")
+        self._inside = None
 
     def count(self, tag: str) -> int:
         return sum(name == tag for name, _ in self.tags)
@@ -50,7 +56,8 @@ def page(run: RunFolder) -> Page:
 
 
 def test_labels_pictures_and_explanations_are_inside(run: RunFolder) -> None:
-    data = page(run).data
+    parsed = page(run)
+    data = parsed.data
     lit = next(i for i, p in enumerate(data["predicates"]) if p["phrase"] == "lit")
     demo = data["demos"][0]
     rows = {tuple(atom): i for i, atom in enumerate(demo["atoms"])}
@@ -59,8 +66,8 @@ def test_labels_pictures_and_explanations_are_inside(run: RunFolder) -> None:
     assert demo["labels"][row] == "011"
     assert [data["explanations"][n] for n in demo["why"][str(row)]] == [f"As seen {BOMB}"] * 3
     assert len({s[0]["picture"] for s in demo["states"]}) == 3
-    assert all(uri.startswith("data:image/webp;base64,") for uri in data["pictures"])
-    assert len(data["pictures"]) == len(set(data["pictures"])) == 6
+    assert all(uri.startswith("data:image/webp;base64,") for uri in parsed.pictures)
+    assert len(parsed.pictures) == len(set(parsed.pictures)) == 6
     assert demo["states"][1][0]["crop"] is not None
 
 
@@ -96,17 +103,17 @@ def test_nothing_is_loaded_from_outside(run: RunFolder) -> None:
 
 def test_hostile_texts_stay_texts(run: RunFolder) -> None:
     parsed = page(run)
-    assert parsed.count("script") == 2  # data and program
+    assert parsed.count("script") == 3  # data, program and pictures
     assert parsed.count("img") == 0
     assert not any(name.startswith("on") for _, attributes in parsed.tags for name in attributes)
     review = Page(render(load_contents(run), review=True))
-    assert (review.count("script"), review.count("img")) == (3, 0)
+    assert (review.count("script"), review.count("img")) == (4, 0)
 
 
 def test_markup_in_descriptors_names_and_answers_stays_text(tmp_path: Path) -> None:
     """In the report, and in the page that ``pix2pred review`` serves."""
     run = learn_lamps(tmp_path, f"<b onclick=boom>{BOMB.replace('/', '')}", descriptor=f"arm {BOMB}")
-    for text, scripts in (((run.path / REPORT).read_text(), 2), (render(load_contents(run), review=True), 3)):
+    for text, scripts in (((run.path / REPORT).read_text(), 3), (render(load_contents(run), review=True), 4)):
         parsed = Page(text)
         assert (parsed.count("script"), parsed.count("img"), parsed.count("b")) == (scripts, 0, 0)
         assert not any(name.startswith("on") for _, attributes in parsed.tags for name in attributes)
@@ -138,6 +145,22 @@ def test_corrections_reach_learning_and_the_report_shows_before_and_after(tmp_pa
     row = next(i for i, atom in enumerate(demo["atoms"]) if atom[0] == bright and demo["objects"][atom[1]][0] == "l1")
     assert (demo["labels"][row], demo["said"][str(row)]) == ("100", "000")
     assert [h["corrections"] for h in load_contents(run).history] == [0, 3]
+
+
+def test_labels_that_the_model_was_unsure_of_are_listed(run: RunFolder) -> None:
+    contents = load_contents(run)
+    demos = []
+    for demo in contents.table.demos:
+        confidence = np.full(demo.values.shape, np.nan, dtype=np.float32)
+        confidence[1, :] = 0.6 if demo.name == "d1" else 0.95
+        demos.append(replace(demo, confidence=confidence))
+    advice = {**contents.advice, "predicates": ["lit0"]}
+    voted = replace(contents, advice=advice, table=replace(contents.table, demos=tuple(demos)))
+    found = unsure(voted)
+    assert {(u.demo, u.state, u.atom[0]) for u in found} == {("d1", 1, "lit0")}
+    assert unsure(contents) == [] and "unsure of" not in render(contents)
+    text = render(voted)
+    assert "the model itself was unsure of" in text and f"{found[0].text}, d1, state 1: " in text
 
 
 def test_an_unfinished_run_is_refused(tmp_path: Path) -> None:

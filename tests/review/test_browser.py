@@ -193,6 +193,16 @@ def test_the_page_of_a_plan_asks_for_nothing_and_runs_nothing(page: Any, tmp_pat
     assert all(url.startswith(("data:", "file:")) for url in page.asked)
 
 
+def test_names_that_every_javascript_object_has(page: Any, run: RunFolder) -> None:
+    path = run.path / "named.html"
+    path.write_text((run.path / REPORT).read_text().replace("robby", "constructor").replace("lit0", "valueOf"))
+    page.goto(path.resolve().as_uri())
+    page.locator("#filter").select_option("all")
+    page.locator('#d0 td[aria-label^="valueOf(l1), state 1"]').focus()
+    page.locator("#d0-s1 button").click()
+    assert "Press(constructor, l1)" in page.locator("#d0 .panel").inner_text()
+
+
 def test_a_large_report_is_small_and_quick(page: Any, run: RunFolder) -> None:
     """12 demonstrations, 100 predicates and pictures that all differ, in the form that real runs have."""
     text = (run.path / REPORT).read_text()
@@ -208,14 +218,17 @@ def test_a_large_report_is_small_and_quick(page: Any, run: RunFolder) -> None:
         "actions": [{"text": "Press(o0)", "objects": [0]}] * (states - 1), "states": (demo["states"] * 5)[:states],
     }  # fmt: skip
     data["demos"] = [{**big, "name": f"d{i}"} for i in range(12)]
-    pictures = [base64.b64decode(uri.partition(",")[2]) + bytes(15_000) for uri in data["pictures"]]
-    data["pictures"] = ["data:image/webp;base64," + base64.b64encode(p).decode() for p in pictures] * 15
+    text, before, rest = (text[:end], *text[end:].rpartition('id="pictures">')[::2])
+    pictures, after = rest.split("</script>", 1)
+    larger = [base64.b64encode(base64.b64decode(uri.partition(",")[2]) + bytes(15_000)) for uri in pictures.split("\n")]
+    embedded = "\n".join("data:image/webp;base64," + p.decode() for p in larger * 15)
+    rest = f'{before}id="pictures">{embedded}</script>{after}'
     data["suspicions"] = []
     details = re.search(r"<details class=\"demo\".*?</details>", text, re.S)
     assert details is not None
     first = details[0]
     more = "".join(first.replace('id="d0"', f'id="d{i}"').replace('demo="0" open', f'demo="{i}"') for i in range(4, 12))
-    text = text[:start] + json.dumps(data).replace("<", "\\u003c") + text[end:]
+    text = text[:start] + json.dumps(data).replace("<", "\\u003c") + rest
     text = text.replace('<section id="selection"', more + '<section id="selection"', 1)
     assert len(text) < 20_000_000
     path = run.path / "large.html"

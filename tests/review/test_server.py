@@ -104,8 +104,10 @@ def test_forms_of_other_sites_cannot_post(server: ReviewServer) -> None:
         ([flip(0, "true", "false")], 409),
         ([{"kind": "rename", "predicate": "lit0", "old": "lit0", "new": "two words"}], 400),
         ([{"kind": "rename", "predicate": "../lit0", "old": "../lit0", "new": "x"}], 400),
+        (b'[{"kind": "label", "demo": ' + b"[" * 900 + b"]" * 900 + b"}]", 400),
+        (b'[{"kind": "rename", "predicate": "lit0", "old": "lit0", "new": "\\ud800"}]', 400),
     ],
-    ids=range(11),
+    ids=range(13),
 )
 def test_nonsense_is_refused_and_not_saved(server: ReviewServer, body: Any, status: int) -> None:
     got, _ = ask(server, f"/{server.token}/corrections", body)
@@ -144,6 +146,23 @@ def test_learning_again_uses_the_corrections(server: ReviewServer) -> None:
     path = server.session.run.path
     assert json.loads((path / "metrics.json").read_text())["corrections"] == 1
     assert "Before and after" in (path / "report.html").read_text()
+
+
+def test_damaged_files_are_said(server: ReviewServer) -> None:
+    (server.session.run.path / CORRECTIONS).write_text("{nonsense}\n")
+    for path in ("", "state"):
+        status, text = ask(server, f"/{server.token}/{path}")
+        assert status == 500 and CORRECTIONS in text
+    assert ask(server, f"/{server.token}/corrections", b"[]", Content_Length="\u00b2")[0] == 415
+
+
+def test_learning_that_fails_in_any_way_says_so(server: ReviewServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: Any) -> None:
+        raise KeyError("lost")
+
+    monkeypatch.setattr("pix2pred.review.session.relearn", broken)
+    ask(server, f"/{server.token}/learn", {})
+    assert wait(server) == {"running": "", "error": "'lost'", "version": 0}
 
 
 def test_a_busy_run_folder_is_said(server: ReviewServer) -> None:

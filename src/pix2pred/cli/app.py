@@ -1,12 +1,14 @@
 """The program: registers the verbs, and turns errors into one clear message and an exit code.
 
-Exit codes: 0 done, 1 the job failed (no plan, not solved), 2 bad input, 130 interrupted.
+Exit codes: 0 done, 1 the job failed (no plan, not solved), 2 bad input, 130 interrupted, 143 terminated.
 """
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
+from types import FrameType
 
 from cyclopts import App, CycloptsError
 from pydantic import ValidationError
@@ -88,8 +90,14 @@ app.command(bench)
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Run the command line and exit."""
+    """Run the command line and exit. SIGTERM ends it like Ctrl-C: what was begun is cleaned up; a second one kills."""
+    signal.signal(signal.SIGTERM, _terminate)
     sys.exit(run(argv))
+
+
+def _terminate(number: int, _frame: FrameType | None) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    sys.exit(128 + number)
 
 
 def run(argv: Sequence[str] | None = None) -> int:

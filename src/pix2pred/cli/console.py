@@ -63,7 +63,7 @@ class Bars:
         """Move the bar of ``stage``."""
         if stage not in self._tasks:
             self._tasks[stage] = self._progress.add_task(_STAGES.get(stage, stage), total=total, note="")
-        self._progress.update(self._tasks[stage], completed=done, total=total, note=text)
+        self._progress.update(self._tasks[stage], completed=done, total=total, note=escape(plain(text)))
 
 
 @contextmanager

@@ -6,11 +6,13 @@ import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from itertools import groupby
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import PIL.Image
+from joblib import Parallel, delayed
 from PIL.ExifTags import IFD, Base
 from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
@@ -153,19 +155,31 @@ def clean_copies(series: PhotoSeries, max_side: int, found: list[Problem]) -> It
 
     What cannot be read goes to ``found``, and its state lacks that camera.
     """
-    for t in range(len(series)):
-        state = {}
-        for camera, paths in series.cameras.items():
-            try:
-                state[camera] = clean_copy(paths[t], max_side)
-            except PictureError as error:
-                found.append(Problem(paths[t], None, str(error).removeprefix(f"{paths[t]}: ")))
-        yield state
+    work = Parallel(n_jobs=-1, prefer="threads", return_as="generator")  # a few photos ahead of the one asked for
+    places = [(t, camera, paths[t]) for t in range(len(series)) for camera, paths in series.cameras.items()]
+    copies = work(delayed(_clean_copy_or_error)(path, max_side) for _, _, path in places)
+    for _, state in groupby(zip(places, copies, strict=True), key=lambda item: item[0][0]):
+        images: dict[str, Image] = {}
+        for (_, camera, path), copy in state:
+            if isinstance(copy, Image):
+                images[camera] = copy
+            else:
+                found.append(Problem(path, None, str(copy).removeprefix(f"{path}: ")))
+        yield images
 
 
-def clean_copy(path: Path, max_side: int = MAX_SIDE) -> Image:
+def _clean_copy_or_error(path: Path, max_side: int) -> Image | PictureError:
+    try:
+        return clean_copy(path, max_side)
+    except PictureError as error:
+        return error
+
+
+def clean_copy(path: Path, max_side: int | None = MAX_SIDE) -> Image:
     """The pixels of a photo and nothing else: no place, time, owner, thumbnail. Raises ``PictureError``."""
-    pixels = scaled(load_picture(path), max_side)
+    pixels = load_picture(path)
+    if max_side is not None:
+        pixels = scaled(pixels, max_side)
     with path.open("rb") as file:
         is_png = file.read(len(PNG_START)) == PNG_START
     return Image.from_pixels(pixels) if is_png else as_jpeg(pixels)

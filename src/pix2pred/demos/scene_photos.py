@@ -16,7 +16,8 @@ from pydantic import ValidationError
 from pix2pred.demos.declared import Declared, resolve_objects
 from pix2pred.demos.documents import DomainDoc, Sheet, StateDoc, load_document
 from pix2pred.demos.folders import DOMAIN, MISSING, TASKS, refusal
-from pix2pred.demos.pictures import ENDINGS, load_picture
+from pix2pred.demos.photos import clean_copy
+from pix2pred.demos.pictures import ENDINGS
 from pix2pred.demos.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.read import StoredTask, read_one_task
 from pix2pred.demos.scenes import Scene
@@ -58,16 +59,17 @@ def read_task(folder: Path, vocabulary: Vocabulary) -> StoredTask:
 
 
 def read_photo(path: Path, task: Task, vocabulary: Vocabulary) -> Photographed:
-    """Read a photo, or a folder with one photo per camera, of the objects of ``task``.
+    """Read a photo, or a folder with one photo per camera, of the objects of ``task``, without its metadata.
 
     Raises ``FolderError`` with every problem found, also when the cameras are not those of the task.
     """
     cameras = [picture.camera for picture in task.initial.pictures]
     files, beside = _files(path, cameras)
     found: list[Problem] = []
-    for file in files.values():
+    images: dict[str, Image] = {}
+    for camera, file in files.items():
         try:
-            load_picture(file)
+            images[camera] = clean_copy(file, max_side=None)
         except PictureError as error:
             found.append(Problem(file, None, str(error).removeprefix(f"{file}: ")))
     sheet, doc = Sheet(path, LinedData({}, {(): 1}), found), StateDoc()
@@ -81,7 +83,7 @@ def read_photo(path: Path, task: Task, vocabulary: Vocabulary) -> Photographed:
     boxes = {c: scene.boxes(("pictures", c), (doc.pictures or {}).get(c, {})) for c in cameras}
     if found:
         raise FolderError(in_reading_order(found))
-    pictures = tuple(Picture(c, Image(files[c]), boxes[c]) for c in cameras)
+    pictures = tuple(Picture(c, images[c], boxes[c]) for c in cameras)
     return Photographed(State(pictures, rest.features, rest.given), "given" in doc.model_fields_set)
 
 

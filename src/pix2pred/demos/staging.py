@@ -1,7 +1,13 @@
-"""Folders that appear at once or not at all: written near their place, then moved in."""
+"""Folders that appear at once or not at all: written near their place, then moved in.
+
+What a killed process had begun is removed by the next one that writes to the same place: a folder in the making is
+locked, and the lock ends with its process.
+"""
 
 from __future__ import annotations
 
+import fcntl
+import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -10,16 +16,31 @@ from pathlib import Path
 
 from pix2pred.demos.problems import FolderError
 
+_PREFIX, _LOCK = ".pix2pred-", "lock"
+
 
 @contextmanager
 def staged(directory: Path) -> Iterator[Path]:
     """A new hidden folder on the file system of ``directory``, removed in the end."""
     near = directory if directory.is_dir() else directory.parent
     near.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".pix2pred-", dir=near) as made:
+    _remove_abandoned(near)
+    with tempfile.TemporaryDirectory(prefix=_PREFIX, dir=near) as made, (Path(made) / _LOCK).open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
         stage = Path(made) / "new"
         stage.mkdir()
         yield stage
+
+
+def _remove_abandoned(near: Path) -> None:
+    """Remove what processes that have ended had begun in ``near``."""
+    for lock in near.glob(f"{_PREFIX}*/{_LOCK}"):
+        try:
+            with lock.open("r+") as file:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                shutil.rmtree(lock.parent, ignore_errors=True)
+        except OSError:  # somebody is writing there, or it is not ours
+            continue
 
 
 @contextmanager

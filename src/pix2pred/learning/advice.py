@@ -1,31 +1,38 @@
 """Which labels to check first: those that keep the published learner from the most probable model.
 
 The learner that allows for wrong labels names the predicates the world model should have; of candidates that it takes
-for synonyms, the one with the fewest doubted labels stands for all, as it is the least work to put right. The doubted
-labels of these predicates are then ordered greedily: next comes the one whose likely value brings J and the operators
-of the published learner closest to those of the probable model.
+for synonyms, the one with the fewest doubted labels stands for all, as it is the least work to put right. If all
+doubted labels of these predicates had their likely values, the published learner would find certain operators, and
+certain values of J on its way to them. Backward elimination orders the labels by what they do to that: the one that
+can best stay as it is comes last, and so on, down to the one that nothing makes up for. Labels that only help together
+with others are thus kept together, which adding one at a time would not see.
 """
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import log
 from typing import Any
 
 import numpy as np
 
+from pix2pred.learning.clustering import Lifted
+from pix2pred.learning.data import Data, Extension
 from pix2pred.learning.doubts import Doubt, Timeline, doubted
-from pix2pred.learning.engines import hill_climbing, learn_operators
+from pix2pred.learning.engines import climbing_rule, hill_climbing, skeleton_search
+from pix2pred.learning.learner import ClusterAndIntersect
+from pix2pred.learning.refinement import DemoScore, SkeletonSearch
+from pix2pred.learning.selection import HillClimbing
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, Atom, LabelledDemo, Operator, Predicate, TruthTable
+from pix2pred.planning import Strips
+from pix2pred.structs import FALSE, TRUE, UNKNOWN, Atom, LabelledDemo, Predicate, TruthTable, Type
 
 MOST_CONSIDERED = 40
-"""Labels of which is computed what they do to operators and J."""
+"""Labels of which is computed what they do to operators and J; the rest follow by how probably they are wrong."""
 
-MOST_ORDERED = 12
-"""Labels ordered by what they do to operators and J; the rest follow by how probably they are wrong."""
+NOTHING_LOST = 1e-3
+"""A label that brings learning less than this closer to the probable model does nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,43 +106,104 @@ def _only(table: TruthTable, chosen: set[Predicate]) -> TruthTable:
 def _ordered(
     table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]
 ) -> list[LabelAdvice]:
-    """Greedily by expected gain; a label's gain is computed again only when it might be the best (lazy greedy)."""
+    """By backward elimination; labels that do nothing, alone or with others, follow by how probably they are wrong."""
+    if not labels:
+        return []
     by_doubt = sorted(labels, key=lambda x: (-round(x[1].wrong, 6), x[0].demo, x[0].atom, x[1].state))
     considered, later = by_doubt[:MOST_CONSIDERED], by_doubt[MOST_CONSIDERED:]
-    likely = with_labels(table, {(t.demo, t.atom, d.state): d.likely for t, d in labels})
-    target = _operators(likely, settings)
-    current = _distance(table, settings, target)
-    queue = [(-inf, -1, i) for i in range(len(considered))]
-    advice: list[LabelAdvice] = []
-    while queue and len(advice) < MOST_ORDERED:
-        _, _, i = heapq.heappop(queue)
-        timeline, doubt = considered[i]
-        gain = current - _distance(_with(table, timeline, doubt), settings, target)
-        entry = (-round(gain * doubt.wrong, 4), len(advice), i)
-        if queue and entry > queue[0]:
-            heapq.heappush(queue, entry)
-            continue
-        table = _with(table, timeline, doubt)
-        advice.append(LabelAdvice(timeline.demo, timeline.atom, doubt, gain))
-        current -= gain
-    rest = [considered[i] for i in sorted(i for _, _, i in queue)]
-    return advice + [LabelAdvice(t.demo, t.atom, d, 0.0) for t, d in (*rest, *later)]
+    found = _eliminated(_Learning(table, settings, labels), considered)
+    return [LabelAdvice(t.demo, t.atom, d, gain) for (t, d), gain in (*found, *((x, 0.0) for x in later))]
 
 
-def _distance(table: TruthTable, settings: LearningSettings, target: frozenset[Operator]) -> float:
-    """How far learning is from the probable model: log J with all candidates, and operators that differ."""
-    climb = hill_climbing(table, settings)
-    j = climb.score([c.predicate for c in table.candidates()]).total
-    return round(log(max(j, 1.0)) + len(_operators(table, settings) ^ target), 4)
+def _eliminated(
+    learning: _Learning, considered: Sequence[tuple[Timeline, Doubt]]
+) -> list[tuple[tuple[Timeline, Doubt], float]]:
+    """The labels, the one that can be spared least first, each with what it gains when those before it are set."""
+    left = list(range(len(considered)))
+    last: list[tuple[int, float]] = []
+    distance = learning.distance(considered)
+
+    def without(i: int) -> float:
+        return learning.distance([considered[k] for k in left if k != i])
+
+    for i in reversed(range(len(considered))):
+        if abs(without(i) - distance) < NOTHING_LOST:
+            left.remove(i)
+            last.append((i, 0.0))
+    while left:
+        lost = {i: without(i) - distance for i in left}
+        spared = min(left, key=lambda i: (round(lost[i] * considered[i][1].wrong, 4), -i))
+        left.remove(spared)
+        last.append((spared, lost[spared]))
+        distance += lost[spared]
+    return [(considered[i], gain) for i, gain in reversed(last)]
 
 
-def _operators(table: TruthTable, settings: LearningSettings) -> frozenset[Operator]:
+class _Learning:
+    """How far the published learner is from the probable model, with some of the doubted labels set."""
+
+    def __init__(self, table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]) -> None:
+        self._data = Data(table)
+        self._demos = {demo.name: d for d, demo in enumerate(table.demos)}
+        self._objects = {o: i for i, o in enumerate(self._data.objects)}
+        self._settings = settings
+        self._search = _Remembered(skeleton_search(settings))
+        climb, learner = self._learner(labels)
+        path = [step.added for step in climb.run().steps if step.added]
+        self._path = [*path, *(c.predicate for c in table.candidates() if c.predicate not in path)]
+        self._target = _operators(learner)
+
+    def distance(self, labels: Sequence[tuple[Timeline, Doubt]]) -> float:
+        """Operators that differ, and log J of the sets of predicates on the way to the probable model."""
+        climb, learner = self._learner(labels)
+        j = [climb.score(self._path[: k + 1]).total for k in range(len(self._path))]
+        return sum(log(max(x, 1.0)) for x in j) + len(_operators(learner) ^ self._target)
+
+    def _learner(self, labels: Sequence[tuple[Timeline, Doubt]]) -> tuple[HillClimbing, ClusterAndIntersect]:
+        learner = ClusterAndIntersect(self._data.relabelled(self._likely(labels)), self._settings)
+        rule = climbing_rule(self._settings)
+        return HillClimbing(learner, self._search, rule, static_demos=self._settings.static_demos), learner
+
+    def _likely(self, labels: Sequence[tuple[Timeline, Doubt]]) -> dict[int, list[list[Extension]]]:
+        """By predicate, demonstration and state what is true when ``labels`` have their likely values."""
+        data = self._data
+        values: dict[int, list[list[Extension]]] = {}
+        for timeline, doubt in labels:
+            p = data.predicates.index(timeline.atom.predicate)
+            if p not in values:
+                values[p] = [[data.extension(d, s, p) for s in range(demo.states)] for d, demo in enumerate(data.demos)]
+            states = values[p][self._demos[timeline.demo]]
+            args = {tuple(self._objects[o] for o in timeline.atom.objects)}
+            before = states[doubt.state]
+            states[doubt.state] = before | args if doubt.likely == TRUE else before - args
+        return values
+
+
+class _Remembered:
+    """A search that is not made twice: most labels change the tasks of few demonstrations."""
+
+    def __init__(self, search: SkeletonSearch) -> None:
+        self._search = search
+        self._known: dict[tuple[Strips | None, int], DemoScore] = {}
+
+    def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
+        """See ``SkeletonSearch``."""
+        known = self._known.get((task, states))
+        if known is None or not (known.exact or known.value > bound):
+            known = self._known[task, states] = self._search(task, states, bound)
+        return known
+
+
+_Rule = tuple[int, tuple[Type, ...], tuple[int, ...], frozenset[Lifted], frozenset[Lifted], frozenset[Lifted]]
+
+
+def _operators(learner: ClusterAndIntersect) -> frozenset[_Rule]:
     """The operators over all candidates, without their numbers and support."""
-    return frozenset(replace(op, name="", support=0) for op in learn_operators(table, settings))
-
-
-def _with(table: TruthTable, timeline: Timeline, doubt: Doubt) -> TruthTable:
-    return with_labels(table, {(timeline.demo, timeline.atom, doubt.state): doubt.likely})
+    everything = range(len(learner.data.predicates))
+    return frozenset(
+        (s.cls.skill, s.cls.types, s.cls.skill_args, frozenset(s.pre), frozenset(s.cls.add), frozenset(s.cls.delete))
+        for s in learner.schemas(learner.partition(everything), everything)
+    )
 
 
 def with_labels(table: TruthTable, labels: Mapping[tuple[str, Atom, int], int]) -> TruthTable:

@@ -12,14 +12,17 @@ import numpy as np
 
 from pix2pred.learning import Verdict
 from pix2pred.report.contents import Contents
-from pix2pred.structs import LabelledDemo
+from pix2pred.structs import FALSE, TRUE, UNKNOWN, LabelledDemo
 
 MOST = 60
 """Timelines shown."""
 
 _PROBABILITY = re.compile(r"\b(?:probability|confidence)\b[^0-9]{0,20}([01]?\.\d+|[01])\b", re.IGNORECASE)
 _UNSURE = (0.2, 0.8)
+"""Probabilities of "true" between which a model is unsure; labels that it gives a lower one than the upper are."""
+
 _LETTERS = {"true": "1", "false": "0", "unknown": "?"}
+_WORDS = {TRUE: "true", FALSE: "false", UNKNOWN: "unknown"}
 
 Broken = Mapping[tuple[str, int, str], set[str]]
 """Operators that a transition contradicts, by (demonstration, state, atom) of what differs."""
@@ -49,6 +52,42 @@ class Suspicion:
             ],
             "reasons": list(self.reasons),
         }
+
+
+@dataclass(frozen=True, slots=True)
+class Unsure:
+    """A label to which the model itself gave a low ``confidence``; names as in ``Suspicion``."""
+
+    demo: str
+    text: str
+    atom: tuple[str, ...]
+    state: int
+    label: str
+    confidence: float
+
+
+def unsure(contents: Contents) -> list[Unsure]:
+    """Labels of selected predicates, and of those the advice names, that the model was unsure of, the least sure first.
+
+    What a person has looked at and what is suspected anyway is left out. Known where answers were voted on, or came
+    with their probabilities.
+    """
+    advised = {(r["demo"], r["state"], tuple(r["atom"])) for r in contents.advice["labels"]}
+    names = {p.name for p in contents.model.selected} | set(contents.advice["predicates"])
+    found = []
+    for demo in contents.table.demos:
+        if demo.confidence is None:
+            continue
+        columns = [i for i, a in enumerate(demo.atoms) if a.predicate.name in names]
+        for state, i in np.argwhere(demo.confidence[:, columns] < _UNSURE[1]):
+            atom, confidence = demo.atoms[columns[i]], float(demo.confidence[state, columns[i]])
+            objects = tuple(o.name for o in atom.objects)
+            original = (contents.original(atom.predicate.name), *objects)
+            known = (demo.name, int(state), original) in contents.corrections.labels
+            if not known and (demo.name, int(state), (atom.predicate.name, *objects)) not in advised:
+                label = _WORDS[int(demo.values[state, columns[i]])]
+                found.append(Unsure(demo.name, str(atom), original, int(state), label, confidence))
+    return sorted(found, key=lambda u: (u.confidence, u.demo, u.atom, u.state))[:MOST]
 
 
 def suspicions(contents: Contents) -> list[Suspicion]:
@@ -95,7 +134,8 @@ def _reasons(
         reasons.append("flips without a cause")
     if any(row["label"] == "unknown" for row in rows):
         reasons.append("unknown")
-    if any(_unsure(contents, demo.name, f"{atom[0]}({', '.join(atom[1:])})", state) for state in states):
+    said = f"{atom[0]}({', '.join(atom[1:])})"
+    if any(_low(demo, text, state) or _says_unsure(contents, demo.name, said, state) for state in states):
         reasons.append("the model was unsure")
     operators = {op for state in states for op in broken.get((demo.name, state, text), ())}
     if operators:
@@ -116,7 +156,13 @@ def _flips(demo: LabelledDemo, text: str, objects: set[str], state: int) -> bool
     )
 
 
-def _unsure(contents: Contents, demo: str, atom: str, state: int) -> bool:
+def _low(demo: LabelledDemo, text: str, state: int) -> bool:
+    """Whether votes or token probabilities gave the label a low confidence."""
+    column = next((i for i, a in enumerate(demo.atoms) if str(a) == text), None)
+    return column is not None and demo.confidence is not None and bool(demo.confidence[state, column] < _UNSURE[1])
+
+
+def _says_unsure(contents: Contents, demo: str, atom: str, state: int) -> bool:
     """Whether the model gave a middling probability with its answer."""
     for known in contents.evidence.demos:
         if known.name == demo and (numbers := known.why.get(atom)) and numbers[state] >= 0:

@@ -19,11 +19,12 @@ from markupsafe import Markup
 from pix2pred import __version__
 from pix2pred.learning import Reading, Verdict
 from pix2pred.predicates import Corrections
-from pix2pred.report.attention import suspicions
+from pix2pred.report.attention import suspicions, unsure
 from pix2pred.report.changes import changes
 from pix2pred.report.contents import Contents
 from pix2pred.report.curve import j_text, selection_curve
 from pix2pred.report.graph import HEIGHT, WIDTH, operator_graph
+from pix2pred.report.pictures import Album
 from pix2pred.report.plans import episodes
 from pix2pred.report.pool import pool_entries, rejected_lines
 from pix2pred.report.tables import tables
@@ -35,7 +36,8 @@ def render(contents: Contents, *, review: bool = False) -> str:
     """The report as one HTML file; with ``review`` it is the page that ``pix2pred review`` serves."""
     suspicious = suspicions(contents)
     pool = pool_entries(contents)
-    data = tables(contents, suspicious, {e.name: {"status": e.status, "shown": e.shown} for e in pool})
+    album = Album(contents.folder, contents.blobs)
+    data = tables(contents, suspicious, {e.name: {"status": e.status, "shown": e.shown} for e in pool}, album)
     data["operators"] = {op.name: op.skill.name for op in contents.model.operators}
     data["review"] = review
     data["corrections"] = as_json(contents.corrections)
@@ -54,6 +56,7 @@ def render(contents: Contents, *, review: bool = False) -> str:
         scripts=[Markup(s) for s in scripts],
         policy=_policy(scripts, review=review),
         data=Markup(_safe_json(data)),
+        pictures=[uri or "" for uri in album.uris()],
         pool=pool,
         rejected=rejected_lines(contents),
         curve=selection_curve(contents.selection["steps"], threshold),
@@ -65,6 +68,7 @@ def render(contents: Contents, *, review: bool = False) -> str:
         usage=_usage(contents.timings),
         changes=changes(contents),
         suspicions=suspicious,
+        unsure=unsure(contents),
         demo_numbers={demo.name: d for d, demo in enumerate(contents.shown.demos)},
     )
 

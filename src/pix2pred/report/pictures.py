@@ -7,6 +7,7 @@ import io
 from pathlib import Path
 
 import PIL.Image
+from joblib import Parallel, delayed
 
 from pix2pred.structs.files import write_whole
 from pix2pred.structs.states import Image, PictureError
@@ -35,7 +36,7 @@ class Album:
 
     def uris(self) -> list[str | None]:
         """A data URI per number; None for pictures that the run does not have."""
-        return [self._uri(digest) for digest in self._numbers]
+        return list(Parallel(n_jobs=-1, prefer="threads")(delayed(self._uri)(digest) for digest in self._numbers))
 
     def _uri(self, digest: str) -> str | None:
         kept = self._previews / f"{digest}.webp"
@@ -45,7 +46,7 @@ class Album:
             except PictureError:
                 return None
             picture = PIL.Image.fromarray(pixels)
-            picture.thumbnail((LONGEST_SIDE, LONGEST_SIDE))
+            picture.thumbnail((LONGEST_SIDE, LONGEST_SIDE), PIL.Image.Resampling.HAMMING)
             buffer = io.BytesIO()
             picture.save(buffer, "WEBP", quality=QUALITY, method=2)
             write_whole(kept, buffer.getvalue())

@@ -15,9 +15,13 @@ from pix2pred.structs.predicates import FromVLM, source_name
 _LETTERS = {TRUE: "1", FALSE: "0", UNKNOWN: "?"}
 
 
-def tables(contents: Contents, suspicions: list[Suspicion], status: dict[str, dict[str, str]]) -> dict[str, Any]:
-    """Predicates, demonstrations with labels, explanations and pictures. ``status`` is by the model's name."""
-    album = Album(contents.folder, contents.blobs)
+def tables(
+    contents: Contents, suspicions: list[Suspicion], status: dict[str, dict[str, str]], album: Album
+) -> dict[str, Any]:
+    """Predicates, demonstrations with labels and explanations, pictures by their number in ``album``.
+
+    ``status`` is by the model's name.
+    """
     shown = contents.shown
     chosen = {name for name, entry in status.items() if entry["status"] == "selected"}
     pool = sorted((c.predicate for c in shown.pool), key=lambda p: (p.name not in chosen, p))
@@ -65,7 +69,6 @@ def tables(contents: Contents, suspicions: list[Suspicion], status: dict[str, di
         "predicates": [_predicate(p, shown, status) for p in predicates],
         "demos": demos,
         "explanations": list(contents.evidence.explanations),
-        "pictures": album.uris(),
         "suspicions": [s.as_dict() for s in suspicions],
     }
 

@@ -61,13 +61,18 @@ class _Handler(BaseHTTPRequestHandler):
         """The page, the corrections in force, or how learning is going."""
         name = self._admitted()
         session = self.server.session
-        if name == "":
-            contents = load_contents(session.run)
-            self._send(HTTPStatus.OK, render(contents, review=True).encode(), "text/html; charset=utf-8")
-        elif name == "state":
-            self._json(HTTPStatus.OK, session.state())
-        elif name is not None:
-            self._refuse(HTTPStatus.NOT_FOUND, "nothing here")
+        try:
+            if name == "":
+                page = render(load_contents(session.run), review=True).encode()
+                self._send(HTTPStatus.OK, page, "text/html; charset=utf-8")
+            elif name == "state":
+                self._json(HTTPStatus.OK, session.state())
+            elif name is not None:
+                self._refuse(HTTPStatus.NOT_FOUND, "nothing here")
+        except ConnectionError:  # whoever asked has gone
+            self.close_connection = True
+        except (ValueError, OSError) as error:  # damaged files, by hand or by a disk
+            self._refuse(HTTPStatus.INTERNAL_SERVER_ERROR, str(error))
 
     def do_POST(self) -> None:
         """New corrections, or the wish to learn again."""
@@ -89,6 +94,8 @@ class _Handler(BaseHTTPRequestHandler):
             self._json(HTTPStatus.CONFLICT, {"error": str(error), **session.state()})
         except CorrectionsError as error:
             self._json(HTTPStatus.BAD_REQUEST, {"error": str(error)})
+        except ConnectionError:
+            self.close_connection = True
         except OSError as error:
             self._json(HTTPStatus.INTERNAL_SERVER_ERROR, {"error": f"not saved: {error}"})
 
@@ -115,7 +122,7 @@ class _Handler(BaseHTTPRequestHandler):
         """The JSON of a request; None, answered, when there is none of a sane size."""
         kind = self.headers.get("Content-Type", "").partition(";")[0].strip()
         length = self.headers.get("Content-Length", "")
-        if kind != "application/json" or not length.isdigit():
+        if kind != "application/json" or not length.isdecimal():
             self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "expected JSON with its length")
         elif int(length) > MAX_BODY:
             self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {MAX_BODY} bytes")

@@ -14,7 +14,7 @@ from pix2pred.predicates.corrections import Row, parse_row
 from pix2pred.report import load_contents, write_report
 from pix2pred.report.page import as_json
 from pix2pred.review.log import CorrectionLog, now
-from pix2pred.run_folder import RunFolder, RunFolderError
+from pix2pred.run_folder import RunFolder
 from pix2pred.runs import AS_SAID, relearn
 
 _BODY: TypeAdapter[list[dict[str, Any]]] = TypeAdapter(list[dict[str, Any]])
@@ -73,8 +73,8 @@ class Session:
                 with self._lock:
                     self._learning = "writing the report"
                 write_report(run)
-        except (RunFolderError, CorrectionsError, OSError, ValueError) as problem:
-            error = str(problem)
+        except Exception as problem:  # whatever it is, the page has to say it instead of waiting for ever
+            error = str(problem) or type(problem).__name__
         with self._lock:
             self._learning, self._error = "", error
             self._learned += not error

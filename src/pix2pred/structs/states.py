@@ -97,7 +97,8 @@ class Image:
     def pixels(self) -> Pixels:
         """Decode, upright. Raises ``PictureError`` for what is not a PNG or JPEG picture of a sane size."""
         with self._opened() as opened:
-            pixels = _rgb(PIL.ImageOps.exif_transpose(opened))
+            PIL.ImageOps.exif_transpose(opened, in_place=True)
+            pixels = _rgb(opened)
         if self.__dict__.setdefault("digest", digest := _digest(pixels)) != digest:
             raise PictureError(f"{self._source!s:.200}: changed while it was being used; run the command again")
         return pixels
@@ -148,7 +149,7 @@ def _rgb(picture: PIL.Image.Image) -> Pixels:
     if picture.mode.startswith("I"):
         grey = (np.asarray(picture).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
         return np.repeat(grey[:, :, None], 3, axis=2)
-    return np.asarray(picture.convert("RGB"), dtype=np.uint8)
+    return np.asarray(picture if picture.mode == "RGB" else picture.convert("RGB"), dtype=np.uint8)
 
 
 def _digest(pixels: Pixels) -> str:

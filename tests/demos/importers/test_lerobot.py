@@ -37,6 +37,14 @@ def test_frames_of_both_kinds_of_camera(tmp_path: Path) -> None:
     assert "put cube 1 away" in draft.notes[0] and "observation.state" in draft.notes[1]
 
 
+def test_a_dataset_written_by_lerobot_itself(tmp_path: Path) -> None:
+    source = Path(__file__).parents[2] / "data/lerobot"
+    assert brought(source, tmp_path, episode=0) == [{"front": i, "wrist": i} for i in (0, 6, 12)]
+    assert brought(source, tmp_path, episode=1, start=0.1) == [{"front": i, "wrist": i} for i in (16, 21, 27)]
+    (draft,) = drafts_of_lerobot(source, segments(tmp_path))
+    assert "put cube 1 away" in draft.notes[0] and "(observation.state, action, " in draft.notes[1]
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [

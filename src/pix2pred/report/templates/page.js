@@ -4,7 +4,8 @@ const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
 const VALUE = { "1": ["t", "T", "true"], "0": ["f", "F", "false"], "?": ["u", "?", "unknown"] };
 const near = new Set(["selected", "given", "runner-up", "same", "dropped"]);
-const page = { data, tables: new Map(), current: null, el, say, valueWord: (v) => VALUE[v][2] };
+const own = (map, key) => (Object.hasOwn(map, key) ? map[key] : undefined); /* "constructor" may be a name, too */
+const page = { data, tables: new Map(), current: null, el, say, own, valueWord: (v) => VALUE[v][2] };
 window.pix2pred = page;
 
 function el(name, attributes, ...children) {
@@ -24,22 +25,19 @@ function svg(name, attributes, ...children) {
 }
 function say(text) { $("said").textContent = text; }
 
-const urls = [];
-function pictureUrl(number) {
-  if (!(number in urls)) {
-    const uri = data.pictures[number];
-    if (!uri) return urls[number] = null;
-    const bytes = Uint8Array.from(atob(uri.slice(uri.indexOf(",") + 1)), (c) => c.charCodeAt(0));
-    urls[number] = URL.createObjectURL(new Blob([bytes], { type: "image/webp" }));
-  }
-  return urls[number];
+/* Pictures, one a line, come last in the page, so that tables need not wait for them. */
+let uris = null;
+function embed(node, attribute, number, otherwise) {
+  if (document.readyState === "loading") { document.addEventListener("DOMContentLoaded", () => embed(node, attribute, number, otherwise), { once: true }); return; }
+  uris ??= $("pictures").textContent.split("\n");
+  if (uris[number]) node.setAttribute(attribute, uris[number]); else otherwise();
 }
 
 for (const demo of data.demos) {
   demo.names = demo.atoms.map(([p, ...objects]) => objects.map((o) => demo.objects[o][0]));
   demo.index = new Map(demo.atoms.map(([p], i) => [[data.predicates[p].name, ...demo.names[i]].join(" "), i]));
 }
-page.predicateName = (p) => (data.corrections.names[data.predicates[p].name] || data.predicates[p].name);
+page.predicateName = (p) => (own(data.corrections.names, data.predicates[p].name) || data.predicates[p].name);
 page.atomText = (d, row) => `${page.predicateName(data.demos[d].atoms[row][0])}(${data.demos[d].names[row].join(", ")})`;
 const doubted = new Map();
 for (const s of data.suspicions) {
@@ -53,7 +51,7 @@ page.said = (d, row, state) => (data.demos[d].said[row] || data.demos[d].labels[
 
 function wanted(predicate) {
   const text = $("search").value.trim().toLowerCase();
-  const name = (data.corrections.names[predicate.name] || predicate.name).toLowerCase();
+  const name = (own(data.corrections.names, predicate.name) || predicate.name).toLowerCase();
   if (text) return name.includes(text) || predicate.name.toLowerCase().includes(text);
   const filter = $("filter").value;
   if (filter === "all") return true;
@@ -69,10 +67,9 @@ function header(d) {
     const action = t ? demo.actions[t - 1].text : null;
     const words = el("span", { class: "action" });
     if (action) { const cut = action.indexOf("("); words.append("→ ", el("b", {}, action.slice(0, cut)), action.slice(cut)); } else words.append("start");
-    const picture = demo.states[t]?.[0];
-    const url = picture ? pictureUrl(picture.picture) : null;
-    const button = el("button", { type: "button", "aria-label": `Show state ${t} of ${demo.name}`, tabindex: t ? "-1" : null },
-      url ? el("img", { src: url, alt: "", loading: "lazy", decoding: "async" }) : null);
+    const picture = demo.states[t]?.[0], image = picture && el("img", { alt: "", loading: "lazy", decoding: "async" });
+    if (picture) embed(image, "src", picture.picture, () => image.remove());
+    const button = el("button", { type: "button", "aria-label": `Show state ${t} of ${demo.name}`, tabindex: t ? "-1" : null }, image);
     button.addEventListener("click", () => showState(d, t));
     row.append(el("th", { scope: "col", id: `d${d}-s${t}`, "data-state": t }, words, button, el("span", { class: "state" }, `state ${t}`)));
   }
@@ -178,13 +175,17 @@ function reveal(td) {
 }
 
 function drawing(picture, objects, crop) {
-  const [w, h] = picture.size, url = pictureUrl(picture.picture);
+  const [w, h] = picture.size, image = svg("image", { x: 0, y: 0, width: w, height: h, preserveAspectRatio: "none" });
   const view = crop ? [crop[0], crop[1], crop[2] - crop[0], crop[3] - crop[1]] : [0, 0, w, h];
   const figure = svg("svg", { class: "picture", viewBox: view.join(" "), role: "img", "aria-label": objects.length ? `picture with ${objects.join(", ")} framed` : "picture" });
-  if (url) figure.append(svg("image", { href: url, x: 0, y: 0, width: w, height: h, preserveAspectRatio: "none" }));
-  else { const t = svg("text", { x: w / 2, y: h / 2, "text-anchor": "middle" }); t.textContent = "no picture stored"; figure.append(t); }
+  figure.append(image);
+  embed(image, "href", picture.picture, () => {
+    const t = svg("text", { x: w / 2, y: h / 2, "text-anchor": "middle" });
+    t.textContent = "no picture stored";
+    image.replaceWith(t);
+  });
   for (const name of objects) {
-    const box = picture.boxes[name];
+    const box = own(picture.boxes, name);
     if (!box) continue;
     figure.append(svg("rect", { class: "object", x: box[0], y: box[1], width: box[2] - box[0], height: box[3] - box[1], rx: 3 }));
     const t = svg("text", { x: box[0] + 3, y: Math.max(view[1] + 14, box[1] - 5) });
@@ -261,6 +262,10 @@ for (const node of document.querySelectorAll("svg .node")) {
   for (const event of ["mouseenter", "focus"]) node.addEventListener(event, light(true));
   for (const event of ["mouseleave", "blur"]) node.addEventListener(event, light(false));
 }
+/* What is further down is laid out when the page is there and nobody waits. */
+const later = [...document.querySelectorAll("section.later")], idle = window.requestIdleCallback || setTimeout;
+function layOut() { const section = later.shift(); if (section) { section.classList.remove("later"); idle(layOut); } }
+addEventListener("load", () => idle(layOut));
 const links = new Map([...document.querySelectorAll("nav a")].map((a) => [a.getAttribute("href").slice(1), a]));
 const watcher = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting) for (const [id, a] of links) a.classList.toggle("here", id === entry.target.id);

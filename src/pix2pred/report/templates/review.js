@@ -1,6 +1,6 @@
 "use strict";
 (() => {
-const page = window.pix2pred, { data, el, say } = page, $ = (id) => document.getElementById(id);
+const page = window.pix2pred, { data, el, say, own } = page, $ = (id) => document.getElementById(id);
 const LETTER = { true: "1", false: "0", unknown: "?" }, WORD = { "1": "true", "0": "false", "?": "unknown" };
 document.body.classList.add("review");
 let version = null, sending = Promise.resolve();
@@ -113,7 +113,7 @@ page.cellTools = (panel, d, row, t) => {
   panel.append(group);
 };
 page.predicateTools = (title, p) => {
-  const entry = data.predicates[p], standing = data.corrections.standing[entry.name] || "free", merged = data.corrections.merged[entry.name];
+  const entry = data.predicates[p], standing = own(data.corrections.standing, entry.name) || "free", merged = own(data.corrections.merged, entry.name);
   const tool = (text, action, pressed, describe) => {
     const button = el("button", { type: "button", "aria-pressed": pressed === undefined ? null : String(pressed), "aria-label": `${describe || text} ${page.predicateName(p)}` }, text);
     button.addEventListener("click", (e) => { e.stopPropagation(); action(); });
@@ -134,7 +134,7 @@ function rename(p) {
   });
 }
 function merge(p) {
-  const entry = data.predicates[p], old = data.corrections.merged[entry.name] || null;
+  const entry = data.predicates[p], old = own(data.corrections.merged, entry.name) || null;
   if (old) { send([{ kind: "merge", predicate: entry.name, old, new: null }], `${entry.name} stands for itself`); return; }
   const others = data.predicates.filter((q) => q !== entry && !q.given && q.types.join() === entry.types.join()).map((q) => q.name);
   dialog(`${entry.name} means the same as`, "A predicate with the same arguments, by the model's name; it stands for both", "", others, (name) => {
@@ -168,7 +168,7 @@ for (const button of document.querySelectorAll("button.accept")) {
 for (const button of document.querySelectorAll("button.pin")) {
   button.addEventListener("click", () => {
     const p = data.predicates.findIndex((q) => q.name === button.dataset.predicate);
-    stand(p, data.corrections.standing[button.dataset.predicate] || "free", "pinned");
+    stand(p, own(data.corrections.standing, button.dataset.predicate) || "free", "pinned");
     button.disabled = true;
   });
 }
