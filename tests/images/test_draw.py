@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import runpy
+import sys
 import zlib
 from dataclasses import replace
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import PIL.Image
@@ -13,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import pix2pred.images.draw
+import pix2pred.images.png
 import pix2pred.images.shown
 from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
@@ -195,6 +199,14 @@ def test_the_checksum_of_joined_strips_is_that_of_their_rows(heights: list[int],
     file = png_file(strips)
     packed = file[file.index(b"IDAT") + 4 : file.index(b"IEND") - 8]
     assert len(zlib.decompress(packed)) == sum(strip.length for strip in strips), "zlib checks the sum"
+
+
+def test_without_fast_packing_the_pictures_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "isal", None)
+    plain = runpy.run_path(str(Path(pix2pred.images.png.__file__)), run_name="without")
+    assert plain["packing"] is zlib
+    for view in (PLAIN, MARKED):
+        assert np.array_equal(Image(plain["png_file"]([plain["pack"](draw_view(view))])).pixels(), draw_view(view))
 
 
 def test_shown_pictures_are_drawn_views_and_costly_work_is_done_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,19 +1,27 @@
-"""Writing PNG files fast: one filter for all rows and run-length coding, where Pillow tries five filters a row.
+"""Writing PNG files fast: one filter for all rows, where Pillow tries five a row, and the deflate of ISA-L.
 
-The pictures sent to a model are looked at once; a tenth of the size matters less than a fifth of the time. Strips of a
-picture are packed apart and joined later, so that a picture shown under several headings is packed once.
+The pictures sent to a model are looked at once; a twentieth of the size matters less than nine tenths of the time.
+Strips of a picture are packed apart and joined later, so that a picture shown under several headings is packed once.
 """
 
 from __future__ import annotations
 
 import struct
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pix2pred.structs import Pixels
+
+try:
+    from isal import isal_zlib as packing
+
+    _STRATEGY = packing.Z_DEFAULT_STRATEGY
+except ImportError:  # no wheel for this kind of machine: the same pictures, three times as slowly
+    import zlib as packing  # type: ignore[no-redef]
+
+    _STRATEGY = packing.Z_RLE
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _RGB8 = (8, 2, 0, 0, 0)
@@ -48,10 +56,9 @@ def pack(pixels: Pixels) -> Strip:
     rows[:, 0] = _SUB
     rows[:, 1:4] = flat[:, :3]
     np.subtract(flat[:, 3:], flat[:, :-3], out=rows[:, 4:])  # wraps around, as the format asks
-    data = rows.tobytes()
-    deflate = zlib.compressobj(1, zlib.DEFLATED, -15, 9, zlib.Z_RLE)
-    blocks = deflate.compress(data) + deflate.flush(zlib.Z_FULL_FLUSH)
-    return Strip(width, height, blocks, zlib.adler32(data))
+    deflate = packing.compressobj(1, packing.DEFLATED, -15, 9, _STRATEGY)
+    blocks = deflate.compress(rows) + deflate.flush(packing.Z_FULL_FLUSH)
+    return Strip(width, height, blocks, packing.adler32(rows))
 
 
 def png_file(strips: Sequence[Strip]) -> bytes:
@@ -61,10 +68,13 @@ def png_file(strips: Sequence[Strip]) -> bytes:
         assert strip.width == strips[0].width, "strips of one picture have one width"
         high = (high + (strip.adler >> 16) + strip.length * (low - 1)) % _BASE
         low = (low + (strip.adler & 0xFFFF) - 1) % _BASE
-    packed = b"".join([_HEADER, *(s.blocks for s in strips), _LAST_BLOCK, struct.pack(">I", high << 16 | low)])
+    packed = (_HEADER, *(s.blocks for s in strips), _LAST_BLOCK, struct.pack(">I", high << 16 | low))
     header = struct.pack(">IIBBBBB", strips[0].width, sum(s.height for s in strips), *_RGB8)
-    return _SIGNATURE + _chunk(b"IHDR", header) + _chunk(b"IDAT", packed) + _chunk(b"IEND", b"")
+    return b"".join((_SIGNATURE, *_chunk(b"IHDR", header), *_chunk(b"IDAT", *packed), *_chunk(b"IEND")))
 
 
-def _chunk(kind: bytes, content: bytes) -> bytes:
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(content, zlib.crc32(kind)))
+def _chunk(kind: bytes, *content: bytes) -> tuple[bytes, ...]:
+    check = packing.crc32(kind)
+    for piece in content:
+        check = packing.crc32(piece, check)
+    return struct.pack(">I", sum(map(len, content))), kind, *content, struct.pack(">I", check)

@@ -148,12 +148,14 @@ def _rgb(picture: PIL.Image.Image) -> Pixels:
     if picture.mode.startswith("I"):
         grey = (np.asarray(picture).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
         return np.repeat(grey[:, :, None], 3, axis=2)
-    return np.asarray(picture.convert("RGB"), dtype=np.uint8)
+    return np.asarray(picture if picture.mode == "RGB" else picture.convert("RGB"), dtype=np.uint8)
 
 
 def _digest(pixels: Pixels) -> str:
     height, width = pixels.shape[:2]
-    return hashlib.sha256(f"rgb8:{width}x{height}:".encode() + np.ascontiguousarray(pixels).tobytes()).hexdigest()
+    digest = hashlib.sha256(f"rgb8:{width}x{height}:".encode())
+    digest.update(np.ascontiguousarray(pixels))
+    return digest.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
