@@ -120,6 +120,7 @@ class FaultServer:
 
         class Handler(BaseHTTPRequestHandler):
             protocol_version = "HTTP/1.1"
+            disable_nagle_algorithm = True  # else the body waits 40 ms for the acknowledgement of the headers
 
             def do_POST(self) -> None:
                 server.serve(self)
@@ -154,7 +155,8 @@ class FaultServer:
             self.most_at_once = max(self.most_at_once, self._at_once)
         try:
             with self._places:
-                self._answer(handler, raw, random.Random(f"{raw}{seen}"), time.monotonic() + self.seconds)
+                rng = random.Random(f"{raw}{seen}" if self.rates else None)  # megabytes are slow to make a seed of
+                self._answer(handler, raw, rng, time.monotonic() + self.seconds)
         except (BrokenPipeError, ConnectionResetError):
             pass
         finally:

@@ -9,9 +9,12 @@ import asyncio
 import os
 import threading
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from pix2pred.structs import PictureError
 from pix2pred.structs.views import View
 from pix2pred.vlm.model_names import KEY_VARIABLES, HostedModel
 from pix2pred.vlm.pricing import dollars
@@ -60,7 +63,9 @@ class HostedVLM:
         messages, settings, parameters = self._messages(request), self._settings(request), _parameters(request)
         begin = time.perf_counter()
         try:
-            response = self._run(self._send(messages, settings, parameters))
+            coming = asyncio.run_coroutine_threadsafe(self._send(messages, settings, parameters), self._loop)
+            self._prepare(request.upcoming, coming)
+            response = coming.result()
         except Exception as error:  # every library below has exceptions of its own; their texts may hold the key
             failure = translated(error, self._model, self._key, self._timeout)
         else:
@@ -88,8 +93,13 @@ class HostedVLM:
         )
         return await asyncio.wait_for(sending, self._timeout)
 
-    def _run(self, work: Coroutine[Any, Any, ModelResponse]) -> ModelResponse:
-        return asyncio.run_coroutine_threadsafe(work, self._loop).result()
+    def _prepare(self, views: Sequence[View], coming: Future[ModelResponse]) -> None:
+        """Draw ``views``, which the drawing keeps for later, until the answer is there."""
+        for view in views:
+            if coming.done():
+                return
+            with suppress(PictureError):  # told when the picture is needed
+                self._draw(view)
 
     def _messages(self, request: Request) -> list[ModelMessage]:
         from pydantic_ai.messages import BinaryContent, ModelRequest, UserPromptPart
