@@ -142,6 +142,10 @@ class FaultServer:
             self._http.shutdown()
             self._http.server_close()
 
+    def let_one_in(self) -> None:
+        """Add a place: with ``places=0`` nothing is answered before."""
+        self._places.release()
+
     def serve(self, handler: BaseHTTPRequestHandler) -> None:
         raw = handler.rfile.read(int(handler.headers["content-length"])).decode()
         with self._lock:

@@ -60,6 +60,26 @@ def test_text_and_pictures_go_in_order_losslessly_with_headings_and_settings(ser
     assert answer.spent.dollars is None
 
 
+def test_the_next_pictures_are_drawn_while_the_model_thinks_and_not_sent() -> None:
+    drawn: list[tuple[int, bool]] = []
+    with FaultServer(places=0).running() as server:
+        vlm = hosted(server)
+        draw = ShownPictures()
+
+        def told(view: View) -> bytes:
+            drawn.append((view.state, bool(server.answered)))
+            if view.state == 2:
+                server.let_one_in()
+            return draw(view)
+
+        vlm._draw = told
+        broken = View(Picture("main", Image(b"no picture")), 9)
+        vlm.answer(replace(REQUEST, parts=(VIEWS[0], "lit(a)"), upcoming=(VIEWS[1], broken, VIEWS[2])))
+        assert drawn == [(0, False), (1, False), (9, False), (2, False)], "before the answer; a bad one stops nothing"
+        (body,) = map(json.loads, server.bodies)
+        assert len(pictures(body)) == 1
+
+
 def test_probabilities_and_a_schema_are_asked_for_when_wanted(server: FaultServer) -> None:
     schema = json.dumps({"type": "object", "properties": {}, "additionalProperties": False, "required": []})
     hosted(server).answer(replace(REQUEST, logprobs=True, schema=schema))
