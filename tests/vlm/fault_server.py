@@ -101,9 +101,19 @@ FAULTS = (*TRANSPORT, *ANSWERS, *WRITINGS)
 
 
 class FaultServer:
-    """Serves ``/v1/chat/completions``. ``rates``: probabilities of faults; ``seconds``: time an answer takes."""
+    """Serves ``/v1/chat/completions``.
 
-    def __init__(self, rates: Mapping[str, float] | None = None, seconds: float = 0.0, places: int = 64) -> None:
+    ``rates``: probabilities of faults; ``seconds``: time an answer takes; ``most_tokens``: longest answer of the model.
+    """
+
+    def __init__(
+        self,
+        rates: Mapping[str, float] | None = None,
+        seconds: float = 0.0,
+        places: int = 64,
+        most_tokens: int = 1_000_000,
+    ) -> None:
+        self.most_tokens = most_tokens
         self.rates = dict(rates or {})
         self.seconds = seconds
         self.bodies: list[str] = []
@@ -180,6 +190,10 @@ class FaultServer:
         if fault in TRANSPORT:
             _until(due)
             self._fail(handler, fault, raw)
+            return
+        if body.get("max_tokens", 0) > self.most_tokens:
+            said = f"max_tokens is too large: {body['max_tokens']}. This model supports at most {self.most_tokens}"
+            _send(handler, 400, json.dumps({"error": {"message": said}}).encode())
             return
         is_labelling = "\nPredicates:\n" in text(body)  # what is proposed is the model's own choice
         answer = lines(body)

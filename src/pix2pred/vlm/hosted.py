@@ -30,6 +30,8 @@ Draw = Callable[[View], bytes]
 """The PNG file of a view."""
 
 _FINISHES = {"length": Finish.CUT_SHORT, "content_filter": Finish.REFUSED}
+_SMALL_BUDGET = 2048
+"""Tokens that every model can write: where they are too many, it is the pictures and the text that are too long."""
 _ALTERNATIVES = 5
 """Tokens whose probabilities are asked for at every place."""
 
@@ -57,8 +59,11 @@ class HostedVLM:
         threading.Thread(target=self._loop.run_forever, name="pix2pred-vlm", daemon=True).start()
 
     def answer(self, request: Request) -> Answer:
-        """Send the request once. Raises ``TransientError``, ``NoAnswerError`` or ``VLMError``."""
-        from pix2pred.vlm.failures import translated
+        """Send the request once. Raises ``TransientError``, ``NoAnswerError`` or ``VLMError``.
+
+        A model that allows no answer of this budget says so beforehand; the answer is then empty.
+        """
+        from pix2pred.vlm.failures import TooLargeError, translated
 
         messages, settings, parameters = self._messages(request), self._settings(request), _parameters(request)
         begin = time.perf_counter()
@@ -70,6 +75,8 @@ class HostedVLM:
             failure = translated(error, self._model, self._key, self._timeout)
         else:
             return self._read(response, time.perf_counter() - begin)
+        if isinstance(failure, TooLargeError) and request.max_tokens > _SMALL_BUDGET:
+            return Answer("", finish=Finish.TOO_LARGE)
         raise failure from None
 
     def _connect(self) -> Model:

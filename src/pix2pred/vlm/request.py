@@ -87,10 +87,15 @@ def key_of(canonical: Any) -> str:
 
 
 class Finish(StrEnum):
-    """How an answer ended: complete, cut short by the token budget, refused by the provider, or never obtained."""
+    """How an answer ended.
+
+    Complete, cut short by the token budget, never begun because the model allows no such budget, refused by the
+    provider, or never obtained.
+    """
 
     COMPLETE = "complete"
     CUT_SHORT = "cut short"
+    TOO_LARGE = "too large"
     REFUSED = "refused"
     NONE = "none"
 
