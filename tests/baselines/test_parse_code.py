@@ -19,3 +19,9 @@ def test_a_flood_of_spaces_takes_no_longer_than_any_other_text() -> None:
     answer = '```\nA = Predicate("A", [item], f' + " \n" * 200_000 + "\n```"
     found, (block,) = parse_code(answer, {"item": ITEM})
     assert not found and block.reason.startswith("no predicate")
+
+
+def test_what_only_looks_like_a_name_is_none() -> None:
+    for name, function in (("Is\u2479ow", "f"), ("IsLow", "f\u2479")):  # a letter to expressions, not to Python
+        found, (rejected,) = parse_code(f'```\nLow = Predicate("{name}", [item], {function})\n```', {"item": ITEM})
+        assert not found and "no predicate is assigned" in rejected.reason

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import replace
 from itertools import combinations
 
@@ -17,7 +16,6 @@ import pix2pred.images.shown
 from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
 from pix2pred.images import ShownPictures, draw_view, encode_png, skill_crop
-from pix2pred.images.png import pack, png_file
 from pix2pred.structs import Box, Image, Picture, Pixels, State
 from pix2pred.structs.views import FOOT_HEIGHT, HEADING_HEIGHT, View
 
@@ -179,22 +177,6 @@ def test_crops_need_a_box() -> None:
 def test_a_crop_around_a_point_can_be_drawn() -> None:
     state = State((replace(PLAIN.picture, boxes={"cup": Box(40, 40, 40, 40)}),))
     draw_view(replace(PLAIN, crop=skill_crop(state, state, ["cup"], 0, (300, 200))))
-
-
-@pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (30, 41)])
-@pytest.mark.parametrize("cut", [0, 1, 8])
-def test_packed_strips_make_up_the_picture(size: tuple[int, int], cut: int) -> None:
-    pixels = np.random.default_rng(0).integers(0, 256, (*size, 3), dtype=np.uint8)
-    strips = [pack(part) for part in (pixels[:cut], pixels[cut:]) if len(part)]
-    assert np.array_equal(Image(png_file(strips)).pixels(), pixels)
-
-
-@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(1, 9), st.integers(0, 200))
-def test_the_checksum_of_joined_strips_is_that_of_their_rows(heights: list[int], width: int, grey: int) -> None:
-    strips = [pack(np.full((height, width, 3), grey + height, dtype=np.uint8)) for height in heights]
-    file = png_file(strips)
-    packed = file[file.index(b"IDAT") + 4 : file.index(b"IEND") - 8]
-    assert len(zlib.decompress(packed)) == sum(strip.length for strip in strips), "zlib checks the sum"
 
 
 def test_shown_pictures_are_drawn_views_and_costly_work_is_done_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -312,3 +312,12 @@ def test_a_changed_later_state_changes_no_earlier_query() -> None:
     other, _ = label(GAPS, demo=changed)
     same = [a.key("m") == b.key("m") for a, b in zip(one.asked, other.asked, strict=True)]
     assert same == [True, True, False]
+
+
+def test_every_question_announces_the_pictures_of_the_next_without_being_another_question() -> None:
+    vlm, _ = label(lambda request: "cooked(patty1): True.", LabelSettings(attempts=1), demo(actions=3))
+    labels = [r for r in vlm.asked if r.purpose == "label"]
+    assert [r.upcoming for r in labels] == [*(r.views for r in labels[1:]), ()]
+    checks = [r for r in vlm.asked if r.purpose == "double-check"]
+    assert [r.upcoming for r in checks] == [r.upcoming for r in labels[1:]]
+    assert all(replace(r, upcoming=()).key("m") == r.key("m") for r in vlm.asked)

@@ -101,9 +101,19 @@ FAULTS = (*TRANSPORT, *ANSWERS, *WRITINGS)
 
 
 class FaultServer:
-    """Serves ``/v1/chat/completions``. ``rates``: probabilities of faults; ``seconds``: time an answer takes."""
+    """Serves ``/v1/chat/completions``.
 
-    def __init__(self, rates: Mapping[str, float] | None = None, seconds: float = 0.0, places: int = 64) -> None:
+    ``rates``: probabilities of faults; ``seconds``: time an answer takes; ``most_tokens``: longest answer of the model.
+    """
+
+    def __init__(
+        self,
+        rates: Mapping[str, float] | None = None,
+        seconds: float = 0.0,
+        places: int = 64,
+        most_tokens: int = 1_000_000,
+    ) -> None:
+        self.most_tokens = most_tokens
         self.rates = dict(rates or {})
         self.seconds = seconds
         self.bodies: list[str] = []
@@ -120,6 +130,7 @@ class FaultServer:
 
         class Handler(BaseHTTPRequestHandler):
             protocol_version = "HTTP/1.1"
+            disable_nagle_algorithm = True  # else the body waits 40 ms for the acknowledgement of the headers
 
             def do_POST(self) -> None:
                 server.serve(self)
@@ -141,6 +152,10 @@ class FaultServer:
             self._http.shutdown()
             self._http.server_close()
 
+    def let_one_in(self) -> None:
+        """Add a place: with ``places=0`` nothing is answered before."""
+        self._places.release()
+
     def serve(self, handler: BaseHTTPRequestHandler) -> None:
         raw = handler.rfile.read(int(handler.headers["content-length"])).decode()
         with self._lock:
@@ -154,7 +169,8 @@ class FaultServer:
             self.most_at_once = max(self.most_at_once, self._at_once)
         try:
             with self._places:
-                self._answer(handler, raw, random.Random(f"{raw}{seen}"), time.monotonic() + self.seconds)
+                rng = random.Random(f"{raw}{seen}" if self.rates else None)  # megabytes are slow to make a seed of
+                self._answer(handler, raw, rng, time.monotonic() + self.seconds)
         except (BrokenPipeError, ConnectionResetError):
             pass
         finally:
@@ -174,6 +190,10 @@ class FaultServer:
         if fault in TRANSPORT:
             _until(due)
             self._fail(handler, fault, raw)
+            return
+        if body.get("max_tokens", 0) > self.most_tokens:
+            said = f"max_tokens is too large: {body['max_tokens']}. This model supports at most {self.most_tokens}"
+            _send(handler, 400, json.dumps({"error": {"message": said}}).encode())
             return
         is_labelling = "\nPredicates:\n" in text(body)  # what is proposed is the model's own choice
         answer = lines(body)

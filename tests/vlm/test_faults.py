@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pix2pred.images import ShownPictures
-from pix2pred.predicates import Labeller, Labelling, LabelSettings, ProposalSettings, label_demos, lift, propose
+from pix2pred.predicates import Labeller, Labelling, LabelSettings, ProposalSettings, asking, label_demos, lift, propose
 from pix2pred.structs import Demo, Image, Object, Picture, State
 from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM
 from pix2pred.vlm.breaker import BreakerVLM
@@ -45,9 +45,14 @@ class Labelled:
 
 
 def run(
-    store: Path, rates: Mapping[str, float], demos: list[Demo] = DEMOS, flow: FlowSettings = FLOW, attempts: int = 4
+    store: Path,
+    rates: Mapping[str, float],
+    demos: list[Demo] = DEMOS,
+    flow: FlowSettings = FLOW,
+    attempts: int = 4,
+    most_tokens: int = 1_000_000,
 ) -> Labelled:
-    with FaultServer(rates).running() as server:
+    with FaultServer(rates, most_tokens=most_tokens).running() as server:
         hosted = HostedVLM(hosted_model(f"openai-compatible:tiny@{server.url}"), ShownPictures(), flow.timeout)
         flowing = FlowVLM(hosted, flow)
         hosted.hold = flowing.hold
@@ -103,6 +108,18 @@ def test_a_question_that_never_gets_an_answer_is_named_and_the_run_goes_on(fault
     assert labelled.labelling.counts["unanswered"] > 0
     again = run(store, {})
     assert check(again, faultless) < check(labelled, faultless), "resuming asks again what had no answer"
+
+
+def test_a_model_of_short_answers_is_asked_about_fewer_atoms(
+    faultless: Labelled, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(asking, "TOKENS_PER_ATOM", 512)
+    flow = FLOW.model_copy(update={"unusable_in_a_row": 1})
+    short = run(tmp_path, {}, most_tokens=4096, flow=flow)  # proposals ask for 8192
+    budgets = [json.loads(body)["max_tokens"] for body in short.server.bodies]
+    assert max(budgets) > 4096 and short.labelling.counts["cut short"] > 0
+    assert short.labelling.table.demos[0].atoms == faultless.labelling.table.demos[0].atoms
+    assert check(short, faultless) == 0 and not short.labelling.gaps
 
 
 def test_orders_in_names_and_headings_reach_the_model_as_data(faultless: Labelled, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from http.server import BaseHTTPRequestHandler
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from pix2pred.vlm.flow import TransientError
 from pix2pred.vlm.hosted import HostedVLM, _tokens
 from pix2pred.vlm.model_names import ModelNameError, hosted_model
 from pix2pred.vlm.pricing import dollars
-from vlm.fault_server import FaultServer, pictures, text
+from vlm.fault_server import FaultServer, _send, pictures, text
 
 VIEWS = [
     View(
@@ -58,6 +59,26 @@ def test_text_and_pictures_go_in_order_losslessly_with_headings_and_settings(ser
     assert "logprobs" not in body and "response_format" not in body
     assert answer.finish == Finish.COMPLETE and (answer.spent.input_tokens, answer.spent.output_tokens) == (100, 10)
     assert answer.spent.dollars is None
+
+
+def test_the_next_pictures_are_drawn_while_the_model_thinks_and_not_sent() -> None:
+    drawn: list[tuple[int, bool]] = []
+    with FaultServer(places=0).running() as server:
+        vlm = hosted(server)
+        draw = ShownPictures()
+
+        def told(view: View) -> bytes:
+            drawn.append((view.state, bool(server.answered)))
+            if view.state == 2:
+                server.let_one_in()
+            return draw(view)
+
+        vlm._draw = told
+        broken = View(Picture("main", Image(b"no picture")), 9)
+        vlm.answer(replace(REQUEST, parts=(VIEWS[0], "lit(a)"), upcoming=(VIEWS[1], broken, VIEWS[2])))
+        assert drawn == [(0, False), (1, False), (9, False), (2, False)], "before the answer; a bad one stops nothing"
+        (body,) = map(json.loads, server.bodies)
+        assert len(pictures(body)) == 1
 
 
 def test_probabilities_and_a_schema_are_asked_for_when_wanted(server: FaultServer) -> None:
@@ -109,16 +130,42 @@ def test_how_an_answer_ended_is_noticed(fault: str, finish: Finish) -> None:
     ],
 )
 def test_refusals_are_told_apart(status: int, message: str, kind: type[VLMError]) -> None:
-    from vlm.fault_server import _send
-
-    class Refusing(FaultServer):
-        def serve(self, handler: object) -> None:
-            handler.rfile.read(int(handler.headers["content-length"]))  # type: ignore[attr-defined]
-            _send(handler, status, json.dumps({"error": {"message": message}}).encode())  # type: ignore[arg-type]
-
-    with Refusing().running() as server, pytest.raises(VLMError, match=str(status)) as caught:
+    with refusing(status, message).running() as server, pytest.raises(VLMError, match=str(status)) as caught:
         hosted(server).answer(REQUEST)
     assert type(caught.value) is kind and message[:20] in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        "max_tokens is too large: 52224. This model supports at most 16384 completion tokens",
+        "max_tokens: 52224 > 8192, which is the maximum allowed number of output tokens",
+        "'max_tokens' is too large: 52224. This model's maximum context length is 8192 tokens",
+        "Unable to submit request because it has a maxOutputTokens value of 99999",
+        "the request exceeds the available context size",
+    ],
+)
+def test_a_budget_the_model_does_not_have_is_told_apart_until_it_is_small(message: str) -> None:
+    with refusing(400, message).running() as server:
+        vlm = hosted(server)
+        assert vlm.answer(replace(REQUEST, max_tokens=52224)).finish == Finish.TOO_LARGE
+        with pytest.raises(NoAnswerError, match="400"):
+            vlm.answer(REQUEST)
+
+
+def test_a_budget_by_another_name_is_no_budget_too_large() -> None:
+    said = "Unsupported parameter: 'max_tokens'. Use another"
+    with refusing(400, said).running() as server, pytest.raises(NoAnswerError, match="Unsupported"):
+        hosted(server).answer(replace(REQUEST, max_tokens=52224))
+
+
+def refusing(status: int, message: str) -> FaultServer:
+    class Refusing(FaultServer):
+        def serve(self, handler: BaseHTTPRequestHandler) -> None:
+            handler.rfile.read(int(handler.headers["content-length"]))
+            _send(handler, status, json.dumps({"error": {"message": message}}).encode())
+
+    return Refusing()
 
 
 def test_names_of_models() -> None:

@@ -42,7 +42,7 @@ def parse_code(answer: str, types: Mapping[str, Type]) -> tuple[list[CodePredica
     for match in _BLOCK.finditer(answer.replace("\r\n", "\n")):
         source = match[1]
         header = _PREDICATE.search(source)
-        if header is None:
+        if header is None or not all(header[name].isidentifier() for name in ("variable", "name", "function")):
             rejected.append(
                 RejectedBlock(source, 'no predicate is assigned: Name = Predicate("Name", [types], function)')
             )

@@ -31,7 +31,7 @@ def list_answers(
     *,
     model: Annotated[str | None, Parameter(help="Only answers of this model.")] = None,
     purpose: Annotated[str | None, Parameter(help="Only propose, label or double-check.")] = None,
-    finish: Annotated[str | None, Parameter(help="Only complete, 'cut short', refused or none.")] = None,
+    finish: Annotated[str | None, Parameter(help="Only complete, 'cut short', 'too large', refused or none.")] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
     """List stored answers.

@@ -146,9 +146,9 @@ def _spots(box: Box, width: float, height: float, size: tuple[int, int]) -> Iter
 
 
 def _overlap(a: Box, b: Box) -> float:
-    width = min(a.right, b.right) - max(a.left, b.left)
-    height = min(a.bottom, b.bottom) - max(a.top, b.top)
-    return max(0.0, width) * max(0.0, height)
+    if a.right <= b.left or b.right <= a.left or a.bottom <= b.top or b.bottom <= a.top:  # nearly always
+        return 0.0
+    return (min(a.right, b.right) - max(a.left, b.left)) * (min(a.bottom, b.bottom) - max(a.top, b.top))
 
 
 def _distance(spot: Box, box: Box) -> float:

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from pix2pred.images.draw import draw_heading, draw_scene
-from pix2pred.images.png import Strip, pack, png_file
 from pix2pred.structs import Image, Pixels
+from pix2pred.structs.png import Strip, pack, png_file
 from pix2pred.structs.views import View
 
 _PACKED_BYTES = 64_000_000
@@ -48,14 +48,25 @@ class _Latest(Generic[Kept]):
         self._values: OrderedDict[str, Kept] = OrderedDict()
         self._bytes = 0
         self._lock = threading.Lock()
+        self._making: dict[str, threading.Lock] = {}
 
     def get(self, key: str, make: Callable[[], Kept]) -> Kept:
-        """The value kept under ``key``, or a new one."""
+        """The value kept under ``key``, or a new one; who asks while it is made, waits for it."""
         with self._lock:
             if key in self._values:
                 self._values.move_to_end(key)
                 return self._values[key]
-        value = make()
+            making = self._making.setdefault(key, threading.Lock())
+        with making:
+            with self._lock:
+                if key in self._values:
+                    return self._values[key]
+            try:
+                return self._keep(key, make())
+            finally:
+                self._making.pop(key, None)
+
+    def _keep(self, key: str, value: Kept) -> Kept:
         with self._lock:
             if key not in self._values:
                 self._values[key] = value

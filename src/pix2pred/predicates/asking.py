@@ -104,7 +104,7 @@ class Asker:
             answer = self.vlm.answer(request)
         except NoAnswerError as error:
             return Asked(counts=Counter(["unanswered"]), reasons=dict.fromkeys(atoms, f"no answer: {error}"))
-        if answer.finish == Finish.CUT_SHORT:
+        if answer.finish in (Finish.CUT_SHORT, Finish.TOO_LARGE):
             return self._smaller(atoms, sample, attempt, budget)
         if answer.finish == Finish.REFUSED:
             counts = Counter(["refused", "unusable answers"])

@@ -15,7 +15,7 @@ from pix2pred.predicates.parse_labels import value_lines
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
 from pix2pred.structs import FALSE, Action, Atom, Demo, Object, State
 from pix2pred.structs.views import View
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, Answer, Request
 from pix2pred.vlm.request import Part
 
 
@@ -61,6 +61,21 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
+class _Foreseeing:
+    """A model that is told with every question the pictures of the one to follow."""
+
+    model: VLM
+    upcoming: tuple[View, ...]
+
+    @property
+    def name(self) -> str:
+        return self.model.name
+
+    def answer(self, request: Request) -> Answer:
+        return self.model.answer(replace(request, upcoming=self.upcoming))
+
+
+@dataclass(frozen=True, slots=True)
 class Labeller:
     """Labels states with one model."""
 
@@ -69,12 +84,22 @@ class Labeller:
 
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
         """Labels of all states of a demonstration, strictly in order: each query builds on the answer before."""
-        labels = [self.first(demo.states[0], demo.objects, atoms, about=f"{demo.name}, state 0")]
-        for t, action in enumerate(demo.actions, start=1):
-            step = Step(demo.states[t - 1], demo.states[t], t, action, labels[-1])
-            about = f"{demo.name}, state {t}"
-            labels.append(self.next(step, demo.objects, atoms, double_check=self.settings.double_check, about=about))
+        objects, about = demo.objects, f"{demo.name}, state"
+        steps = [
+            Step(demo.states[t - 1], demo.states[t], t, action, StateLabels({}, ""))
+            for t, action in enumerate(demo.actions, start=1)
+        ]
+        after = [*(self._before_and_after(step, objects) for step in steps), ()]
+        labels = [self._before(after[0]).first(demo.states[0], objects, atoms, about=f"{about} 0")]
+        for step in steps:
+            step, asking = replace(step, previous=labels[-1]), self._before(after[step.t])
+            check = self.settings.double_check
+            labels.append(asking.next(step, objects, atoms, double_check=check, about=f"{about} {step.t}"))
         return tuple(labels)
+
+    def _before(self, upcoming: tuple[View, ...]) -> Labeller:
+        """This labeller, telling the model what it will be shown afterwards."""
+        return replace(self, vlm=_Foreseeing(self.vlm, upcoming))
 
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         """Labels of a state without history (method 3.3); ``atoms`` in any order."""

@@ -109,6 +109,9 @@ def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings) -> Proposal:
         read = read_proposal(demo, answer.text, settings)
         if answer.finish == Finish.REFUSED:
             proposal = replace(proposal, problem=proposal.problem or "refused")
+        elif answer.finish == Finish.TOO_LARGE:
+            budget //= 2
+            proposal = replace(proposal, problem="the model never allowed an answer of the length asked for")
         elif answer.finish == Finish.CUT_SHORT:
             budget *= 2
             proposal = replace(_whole_lines(demo, answer.text, settings), problem="the answer was always cut short")

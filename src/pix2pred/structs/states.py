@@ -19,6 +19,7 @@ from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
 
 from pix2pred.structs.objects import Object
+from pix2pred.structs.png import pack, png_file, unpack
 from pix2pred.structs.predicates import Atom
 
 Pixels = NDArray[np.uint8]
@@ -83,9 +84,7 @@ class Image:
     @classmethod
     def from_pixels(cls, pixels: Pixels) -> Image:
         """An image of an array of shape (height, width, 3), encoded as PNG."""
-        buffer = io.BytesIO()
-        PIL.Image.fromarray(pixels).save(buffer, "PNG", compress_level=1)
-        image = cls(buffer.getvalue())
+        image = cls(png_file([pack(pixels)]))
         image.__dict__ |= {"digest": _digest(pixels), "size": (pixels.shape[1], pixels.shape[0])}
         return image
 
@@ -96,9 +95,11 @@ class Image:
 
     def pixels(self) -> Pixels:
         """Decode, upright. Raises ``PictureError`` for what is not a PNG or JPEG picture of a sane size."""
-        with self._opened() as opened:
-            PIL.ImageOps.exif_transpose(opened, in_place=True)
-            pixels = _rgb(opened)
+        pixels = self._unpacked()
+        if pixels is None:
+            with self._opened() as opened:
+                PIL.ImageOps.exif_transpose(opened, in_place=True)
+                pixels = _rgb(opened)
         if self.__dict__.setdefault("digest", digest := _digest(pixels)) != digest:
             raise PictureError(f"{self._source!s:.200}: changed while it was being used; run the command again")
         return pixels
@@ -110,6 +111,12 @@ class Image:
             width, height = opened.size
             sideways = opened.getexif().get(PIL.ExifTags.Base.Orientation) in _SIDEWAYS
             return (height, width) if sideways else (width, height)
+
+    def _unpacked(self) -> Pixels | None:
+        try:
+            return unpack(self.encoded, MAX_PIXELS)
+        except OSError:
+            return None
 
     @contextmanager
     def _opened(self) -> Iterator[PIL.Image.Image]:
@@ -154,7 +161,9 @@ def _rgb(picture: PIL.Image.Image) -> Pixels:
 
 def _digest(pixels: Pixels) -> str:
     height, width = pixels.shape[:2]
-    return hashlib.sha256(f"rgb8:{width}x{height}:".encode() + np.ascontiguousarray(pixels).tobytes()).hexdigest()
+    digest = hashlib.sha256(f"rgb8:{width}x{height}:".encode())
+    digest.update(np.ascontiguousarray(pixels).data)
+    return digest.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ class BreakerVLM:
         except NoAnswerError as error:
             self._count(f"no answer: {error}")
             raise
-        if answer.finish != Finish.CUT_SHORT:  # that will be asked for in parts
+        if answer.finish not in (Finish.CUT_SHORT, Finish.TOO_LARGE):  # that will be asked for in parts
             self._count(_what_is_wrong(request, answer))
         return answer
 

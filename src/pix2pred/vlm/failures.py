@@ -16,6 +16,13 @@ from pix2pred.vlm.flow import TransientError
 from pix2pred.vlm.model_names import KEY_VARIABLES, HostedModel
 from pix2pred.vlm.request import NoAnswerError, VLMError
 
+
+class TooLargeError(NoAnswerError):
+    """The answer budget, or all of the request, is larger than the model allows: fewer atoms may fit."""
+
+
+_TOO_LARGE = re.compile(r"\bmax_?(completion_?|output_?)?tokens\b|context (length|size|window)", re.I)
+_NOT_THERE = re.compile(r"unsupported|not supported|unknown parameter|unrecognized", re.I)
 _UNKNOWN_MODEL = re.compile(r"\bmodel\b.{0,200}(not found|not exist|unknown|not supported|not available|no such)", re.I)
 _PINNED_MODEL = re.compile(r"(pinned|restricted) to\b|only serves", re.I)
 
@@ -50,7 +57,8 @@ def _refused(error: ai.ModelAPIError, model: HostedModel, key: str | None) -> VL
         return VLMError(f"{model.name}: the server knows no such model or address ({said})")
     if status is None or status >= 500 or status in (408, 409, 425, 429):
         return TransientError(said, error.retry_after)
-    return NoAnswerError(said)
+    too_large = _TOO_LARGE.search(message) and not _NOT_THERE.search(message)
+    return TooLargeError(said) if status in (400, 413, 422) and too_large else NoAnswerError(said)
 
 
 def _message(body: Any, key: str | None) -> str:

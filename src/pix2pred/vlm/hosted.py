@@ -9,9 +9,12 @@ import asyncio
 import os
 import threading
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from pix2pred.structs import PictureError
 from pix2pred.structs.views import View
 from pix2pred.vlm.model_names import KEY_VARIABLES, HostedModel
 from pix2pred.vlm.pricing import dollars
@@ -27,6 +30,8 @@ Draw = Callable[[View], bytes]
 """The PNG file of a view."""
 
 _FINISHES = {"length": Finish.CUT_SHORT, "content_filter": Finish.REFUSED}
+_SMALL_BUDGET = 2048
+"""Tokens that every model can write: where they are too many, it is the pictures and the text that are too long."""
 _ALTERNATIVES = 5
 """Tokens whose probabilities are asked for at every place."""
 
@@ -54,17 +59,24 @@ class HostedVLM:
         threading.Thread(target=self._loop.run_forever, name="pix2pred-vlm", daemon=True).start()
 
     def answer(self, request: Request) -> Answer:
-        """Send the request once. Raises ``TransientError``, ``NoAnswerError`` or ``VLMError``."""
-        from pix2pred.vlm.failures import translated
+        """Send the request once. Raises ``TransientError``, ``NoAnswerError`` or ``VLMError``.
+
+        A model that allows no answer of this budget says so beforehand; the answer is then empty.
+        """
+        from pix2pred.vlm.failures import TooLargeError, translated
 
         messages, settings, parameters = self._messages(request), self._settings(request), _parameters(request)
         begin = time.perf_counter()
         try:
-            response = self._run(self._send(messages, settings, parameters))
+            coming = asyncio.run_coroutine_threadsafe(self._send(messages, settings, parameters), self._loop)
+            self._prepare(request.upcoming, coming)
+            response = coming.result()
         except Exception as error:  # every library below has exceptions of its own; their texts may hold the key
             failure = translated(error, self._model, self._key, self._timeout)
         else:
             return self._read(response, time.perf_counter() - begin)
+        if isinstance(failure, TooLargeError) and request.max_tokens > _SMALL_BUDGET:
+            return Answer("", finish=Finish.TOO_LARGE)
         raise failure from None
 
     def _connect(self) -> Model:
@@ -88,8 +100,13 @@ class HostedVLM:
         )
         return await asyncio.wait_for(sending, self._timeout)
 
-    def _run(self, work: Coroutine[Any, Any, ModelResponse]) -> ModelResponse:
-        return asyncio.run_coroutine_threadsafe(work, self._loop).result()
+    def _prepare(self, views: Sequence[View], coming: Future[ModelResponse]) -> None:
+        """Draw ``views``, which the drawing keeps for later, until the answer is there."""
+        for view in views:
+            if coming.done():
+                return
+            with suppress(PictureError):  # told when the picture is needed
+                self._draw(view)
 
     def _messages(self, request: Request) -> list[ModelMessage]:
         from pydantic_ai.messages import BinaryContent, ModelRequest, UserPromptPart

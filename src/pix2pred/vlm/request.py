@@ -34,8 +34,9 @@ class Request:
     ``sample`` numbers independent samples of one question; ``attempt`` numbers retries after unusable answers.
     ``max_tokens`` is the answer budget. ``schema`` is a JSON Schema the answer should follow, as text, where the model
     can do that; ``logprobs`` asks for the probabilities of the answer's tokens. ``about`` names the demonstration and
-    state for people, and ``review`` lets a model behind a person give back what cannot be read: neither is part of
-    the question.
+    state for people, ``review`` lets a model behind a person give back what cannot be read, and ``upcoming`` are
+    pictures of the question that will probably follow, to be made ready while the model thinks: none of the three is
+    part of the question.
     """
 
     purpose: str
@@ -48,6 +49,7 @@ class Request:
     logprobs: bool = False
     about: str = field(default="", compare=False)
     review: Reviewer | None = field(default=None, compare=False)
+    upcoming: tuple[View, ...] = field(default=(), compare=False)
 
     @property
     def text(self) -> str:
@@ -85,10 +87,15 @@ def key_of(canonical: Any) -> str:
 
 
 class Finish(StrEnum):
-    """How an answer ended: complete, cut short by the token budget, refused by the provider, or never obtained."""
+    """How an answer ended.
+
+    Complete, cut short by the token budget, never begun because the model allows no such budget, refused by the
+    provider, or never obtained.
+    """
 
     COMPLETE = "complete"
     CUT_SHORT = "cut short"
+    TOO_LARGE = "too large"
     REFUSED = "refused"
     NONE = "none"
 
