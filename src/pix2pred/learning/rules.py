@@ -9,6 +9,7 @@ from typing import Literal, Protocol
 from pix2pred.learning.clustering import Partition
 from pix2pred.learning.learner import OperatorLearner
 from pix2pred.learning.objective import Score
+from pix2pred.learning.projections import is_projection
 from pix2pred.learning.refinement import BACKTRACK
 
 
@@ -143,7 +144,22 @@ class Explained:
             return best
         highest = self.ceiling(best.score.total, learner.doubt(best.predicate))
         rivals = [s for s in scored if weighed[s.predicate] <= highest]
-        return best_explained(learner, [s for s in rivals if s.score.charges <= best.score.charges + BACKTRACK / 2])
+        rivals = [s for s in rivals if s.score.charges <= best.score.charges + BACKTRACK / 2]
+        cheapest = best_explained(learner, rivals)
+        finer = [s for s in rivals if self._says_more(learner, s, cheapest)]
+        return best_explained(learner, finer) if finer else cheapest
+
+    def _says_more(self, learner: OperatorLearner, fine: Scored, coarse: Scored) -> bool:
+        """Whether one predicate serves as well as another and determines it.
+
+        Demonstrations with a single machine cannot tell "in the machine" from "in some machine". A model of the former
+        makes plans that are right in either case; one of the latter takes a jug out of a machine where it is not.
+        """
+        return (
+            fine.score.total <= 1.01 * coarse.score.total + 1
+            and learner.doubt(fine.predicate) <= learner.doubt(coarse.predicate) + 0.01
+            and is_projection(learner.data, coarse.predicate, fine.predicate)
+        )
 
     def _weighed(self, j: float, doubt: float) -> float:
         return j * (1 + self.scepticism * doubt)
