@@ -8,10 +8,12 @@ command is more than one program; a command that ends in ``&`` runs beside the o
 
 from __future__ import annotations
 
+import _thread
 import re
 import shlex
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from io import StringIO
@@ -105,13 +107,19 @@ class Follower:
     def _run(self, text: str) -> Ran:
         if text.endswith("&"):
             words = [sys.executable if w == "python" else w for w in shlex.split(text.removesuffix("&"))]
-            self.background.append(subprocess.Popen(words))
+            self.background.append(process := subprocess.Popen(words))
+            threading.Thread(target=self._watch, args=(process,), daemon=True).start()
             return Ran(0, "", "")
         if text.startswith("pix2pred ") and not re.search(r"[|;>]", text):
             return self._here(text)
         command = re.sub(r"^python ", f"{shlex.quote(sys.executable)} ", text)
         done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
         return Ran(done.returncode, done.stdout, done.stderr)
+
+    def _watch(self, process: subprocess.Popen[bytes]) -> None:
+        """End a command that waits for a background process which has failed."""
+        if process.wait() > 0:
+            _thread.interrupt_main()
 
     def _here(self, text: str) -> Ran:
         text, _, source = text.partition("<")
