@@ -33,18 +33,25 @@ class Member:
 @dataclass(slots=True)
 class Memo:
     """What follows from a class's members alone: the variable of each object, and by predicate what holds before each
-    member and in how many."""
+    member and in how many. What a ``whole`` of which these ``members`` are a part knows is taken from there."""
 
     variables: list[dict[int, int]] = field(default_factory=list)
     held: dict[int, list[list[tuple[int, ...]]]] = field(default_factory=dict)
     before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+    whole: Memo | None = None
+    members: Sequence[int] = ()
 
     def of(self, members: Sequence[int]) -> Memo:
         """The same for some of the members, the variables unchanged."""
-        return Memo(
-            [self.variables[i] for i in members] if self.variables else [],
-            {p: [held[i] for i in members] for p, held in self.held.items()},
-        )
+        return Memo([self.variables[i] for i in members] if self.variables else [], whole=self, members=members)
+
+    def held_before(self, predicate: int) -> list[list[tuple[int, ...]]] | None:
+        """What holds before each member, if it is known."""
+        if predicate not in self.held and self.whole is not None:
+            known = self.whole.held_before(predicate)
+            if known is not None:
+                self.held[predicate] = [known[i] for i in self.members]
+        return self.held.get(predicate)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,10 +87,10 @@ class TransitionClass:
 
     def held_before(self, data: Data, predicate: int) -> list[list[tuple[int, ...]]]:
         """For every member, the atoms of ``predicate`` over the variables that hold before the skill."""
-        held = self.memo.held
-        if predicate not in held:
-            held[predicate] = list(self._lifted_before(data, predicate))
-        return held[predicate]
+        known = self.memo.held_before(predicate)
+        if known is None:
+            known = self.memo.held[predicate] = list(self._lifted_before(data, predicate))
+        return known
 
     def _lifted_before(self, data: Data, predicate: int) -> Iterator[list[tuple[int, ...]]]:
         wanted = data.predicates[predicate].types
