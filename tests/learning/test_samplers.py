@@ -157,10 +157,8 @@ def test_draws_keep_to_what_always_worked_where_something_else_sometimes_did() -
 
 @pytest.mark.parametrize("each", [1, 6])
 def test_parameters_that_worked_as_often_as_they_failed(each: int) -> None:
-    made = [push(i, 0.5, 0.3, "pad1" if i < each else None) for i in range(2 * each)]
-    data = data_of(made)
-    data = replace(data, bad_inputs=data.bad_inputs[:each] * 0 + data.inputs[0], bad_params=data.bad_params[:each])
-    sampler = fit_gaussian(data, PUSH.low, PUSH.high)
+    inputs, params = np.full((each, 2), 0.5), np.full((each, 1), 0.3)
+    sampler = fit_gaussian(SamplerData(inputs, params, inputs, params), PUSH.low, PUSH.high)
     assert (sampler.validity is None) == (each < 5)
     draw = sampler.sample({cup: (0.5,), pads[0]: (1.0,)}, (cup, pads[0]), np.random.default_rng(0))
     assert draw.params[0] == pytest.approx(0.3, abs=0.05)

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import socket
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +11,7 @@ import pytest
 
 from extras import need
 from pix2pred.vlm import Finish, NoAnswerError
-from vlm.test_real_server import QUIET, REQUEST, _wait, ask, view
+from vlm.real_servers import REQUEST, ask, serving, view
 
 pytestmark = need("xllamacpp", "gguf", extra="servers")
 SERVE = Path(__file__).with_name("tiny_gguf.py")
@@ -29,17 +26,8 @@ SCHEMA = {
 @pytest.fixture(scope="module")
 def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     folder = tmp_path_factory.mktemp("llama")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    with (folder / "log").open("wb") as log:
-        server = subprocess.Popen([sys.executable, SERVE, folder, str(port)], env=QUIET, stdout=log, stderr=log)
-        try:
-            _wait(f"http://127.0.0.1:{port}/health", server, folder / "log")
-            yield f"http://127.0.0.1:{port}/v1"
-        finally:
-            server.terminate()
-            server.wait(30)
+    with serving(folder, lambda port: (SERVE, folder, str(port))) as address:
+        yield address
 
 
 def test_answers_come_back_with_usage_and_depend_on_every_picture(url: str) -> None:

@@ -5,76 +5,32 @@ Needs the extra ``servers``.
 
 from __future__ import annotations
 
-import os
-import socket
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from extras import need
-from pix2pred.images import ShownPictures
-from pix2pred.structs import Image, Picture
-from pix2pred.structs.views import View
-from pix2pred.vlm import NoAnswerError, Request, VLMError
-from pix2pred.vlm.hosted import HostedVLM
-from pix2pred.vlm.model_names import hosted_model
+from pix2pred.vlm import NoAnswerError, VLMError
+from vlm.real_servers import QUIET, REQUEST, ask, serving, view
 
 pytestmark = need("torch", "transformers", "fastapi", "uvicorn", extra="servers")
 BUILD = Path(__file__).with_name("tiny_model.py")
 SERVE = "import sys; from transformers.cli.transformers import main; sys.argv[0] = 'transformers'; main()"
-QUIET = os.environ | {"OMP_NUM_THREADS": "1", "HF_HUB_OFFLINE": "1"}
 
 
 @pytest.fixture(scope="module")
 def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     folder = tmp_path_factory.mktemp("server")
     subprocess.run([sys.executable, BUILD, folder / "tiny"], check=True, env=QUIET, timeout=300)
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    options = ["serve", "tiny", "--port", str(port), "--host", "127.0.0.1", "--device", "cpu", "--default-seed", "0"]
-    with (folder / "log").open("wb") as log:
-        server = subprocess.Popen(
-            [sys.executable, "-c", SERVE, *options], cwd=folder, env=QUIET, stdout=log, stderr=log
-        )
-        try:
-            _wait(f"http://127.0.0.1:{port}/health", server, folder / "log")
-            yield f"http://127.0.0.1:{port}/v1"
-        finally:
-            server.terminate()
-            server.wait(30)
-
-
-def _wait(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
-    for _ in range(1200):
-        assert server.poll() is None, log.read_text()[-2000:]
-        try:
-            urllib.request.urlopen(address, timeout=5).close()
-            return
-        except OSError:
-            time.sleep(0.25)
-    raise AssertionError(log.read_text()[-2000:])
-
-
-def ask(url: str, model: str = "tiny") -> HostedVLM:
-    return HostedVLM(hosted_model(f"openai-compatible:{model}@{url}"), ShownPictures(), 120.0)
-
-
-def view(shade: int, t: int) -> View:
-    pixels = np.full((60, 80, 3), shade, dtype=np.uint8)
-    pixels[10:40, 10:50] = 255 - shade
-    return View(Picture("main", Image.from_pixels(pixels)), t, heading=f"state {t}, camera main")
-
-
-REQUEST = Request("label", ("Before and after:", view(20, 0), view(220, 1), "\nPredicates:\nlit(a)"), 24)
+    options = ("--host", "127.0.0.1", "--device", "cpu", "--default-seed", "0")
+    with serving(folder, lambda port: ("-c", SERVE, "serve", "tiny", "--port", str(port), *options)) as address:
+        yield address
 
 
 def test_answers_come_back_with_usage_and_depend_on_every_picture(url: str) -> None:
