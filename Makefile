@@ -2,29 +2,32 @@
 # make test   run the tests            make check   ruff and mypy --strict
 # make test-all   install every extra and run the tests that need one; none may be skipped
 # make bench-smoke   a cut of the published comparison, as a table (make test-all runs it too)
-# Every target sets up .venv by itself. PYTHON=python3.12 make demo   uses another interpreter.
+# make newest     the same tests with the newest versions of every dependency, in an environment of its own
+# Every target sets up .venv by itself, with the versions in constraints.txt. PYTHON=python3.12 make demo   uses another interpreter.
 
 PYTHON ?= python3
-VENV := .venv
+VENV ?= .venv
+CONSTRAINTS ?= constraints.txt
 BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 TORCH ?= torch==2.13.0
 
-.PHONY: demo test test-all bench-smoke check clean
+.PHONY: demo test test-all newest bench-smoke check clean
 .DEFAULT_GOAL := demo
 
-$(VENV)/run.stamp: pyproject.toml
+$(VENV)/run.stamp: pyproject.toml $(CONSTRAINTS)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "pix2pred needs Python 3.11 or newer; try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
 	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	$(INSTALL) -e .
 	@touch $@
 
 $(VENV)/dev.stamp: $(VENV)/run.stamp
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	$(INSTALL) -e '.[dev]'
 	@touch $@
 
 $(VENV)/all.stamp: $(VENV)/dev.stamp
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check '$(TORCH)' -e '.[dev,all]'
+	$(INSTALL) '$(TORCH)' -e '.[dev,all]'
 	@touch $@
 
 demo: $(VENV)/run.stamp
@@ -37,6 +40,9 @@ test-all: $(VENV)/all.stamp
 	PIX2PRED_NO_SKIPS=1 $(BIN)/python -m pytest -n auto --dist loadfile -m extra
 	$(MAKE) bench-smoke
 
+newest:
+	$(MAKE) VENV=.venv-newest CONSTRAINTS= check test
+
 bench-smoke: $(VENV)/run.stamp
 	$(BIN)/pix2pred bench run smoke --jobs 2
 	$(BIN)/pix2pred bench report runs/bench-smoke
@@ -47,4 +53,4 @@ check: $(VENV)/dev.stamp
 	$(BIN)/mypy
 
 clean:
-	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache build dist
+	rm -rf $(VENV) .venv-newest .mypy_cache .ruff_cache .pytest_cache build dist

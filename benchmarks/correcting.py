@@ -26,7 +26,7 @@ import numpy as np
 from burger_pool import Workload, workload, wrong_labels
 from noise import domain, solved
 from pix2pred.learning import LearningSettings, hill_climbing
-from pix2pred.learning.advice import advise, with_labels
+from pix2pred.learning.labels.advice import advise, with_labels
 from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio
 from pix2pred.structs import Atom, TruthTable
 

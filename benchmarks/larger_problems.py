@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pix2pred.planning import is_valid
-from pix2pred.planning.pddl_read import read_domain, read_problem
+from pix2pred.planning.pddl.read import read_domain, read_problem
 from pix2pred.registry import load_planner
 
 DOMAINS = Path(__file__).parents[1] / "tests" / "data" / "pddl"

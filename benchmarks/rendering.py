@@ -28,8 +28,8 @@ Drawers = tuple[Callable[[], Any], Callable[[], Any]]
 
 
 def coffee(index: int) -> Drawers:
-    from pix2pred.domains.coffee.render import render, render_pixels
     from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+    from pix2pred.domains.coffee.simulation.render import render, render_pixels
 
     world = initial_world(3, scene_generator(0, Split.TASKS, 3, index))
     return lambda: render(world).image.pixels(), lambda: render_pixels(world)

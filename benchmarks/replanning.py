@@ -19,12 +19,12 @@ from joblib import Parallel, delayed
 from pix2pred.execution import Solver
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.registry import load_domain, load_planner
-from pix2pred.runs import MODEL
-from pix2pred.structs.model_file import load_model
+from pix2pred.runs.learn import MODEL
+from pix2pred.structs.formats.world_model import load_model
 from pix2pred.structs.views import View
-from pix2pred.vlm.oracle import NoiseRates, NoisyOracle
-from pix2pred.vlm.pixels import Scene
-from pix2pred.vlm.reader_model import ReaderModel
+from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
+from pix2pred.vlm.offline.model import ReaderModel
+from pix2pred.vlm.offline.pixels import Scene
 
 FAMILIES = ("more-stacks", "bigger", "combo")
 

@@ -27,11 +27,11 @@ from pix2pred.domains.burger import BurgerDomain
 from pix2pred.learning import LearningSettings
 from pix2pred.pipeline import Settings
 from pix2pred.report import write_report
-from pix2pred.run_folder import RunFolder
-from pix2pred.runs import learn_into
+from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.learn import learn_into
 from pix2pred.structs import Demo
 from pix2pred.vlm import Answer, AnswerStore, CountingVLM, Request, StoredVLM
-from pix2pred.vlm.answering import asked_atoms
+from pix2pred.vlm.offline.prompt_format import asked_atoms
 
 WHY = "The surface looks evenly lit and nothing covers it, which matches what was said about the state before."
 

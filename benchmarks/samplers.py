@@ -30,11 +30,11 @@ from pix2pred.domains.kitchen.scenes import KETTLE_PUSH, RIGHT, boiling, push_ke
 from pix2pred.domains.kitchen.vocabulary import INITIAL, OBJECTS, PUSH_KETTLE
 from pix2pred.domains.kitchen.world import World, standing_world
 from pix2pred.learning import LearningSettings, learn_operators
-from pix2pred.learning.samplers import SamplerFitter, fit_gaussian, learn_samplers
-from pix2pred.learning.samplers_torch import fit_networks
+from pix2pred.learning.samplers.learn import SamplerFitter, fit_gaussian, learn_samplers
+from pix2pred.learning.samplers.networks import fit_networks
 from pix2pred.structs import Demo, LabelledDemo, Operator, State, TruthTable
-from pix2pred.structs.files import write_whole
 from pix2pred.structs.samplers import Sampler, UniformSampler
+from pix2pred.system.files import write_whole
 
 SIZES = (3, 10, 30, 100)
 LOWEST, HIGHEST = -0.25, 0.10

@@ -9,8 +9,8 @@ from cli.hostile_lamps import Fake, sees, write_lamps
 from pix2pred.cli.learn import resolve_settings
 from pix2pred.demos import project_digest, read_project
 from pix2pred.report import write_report
-from pix2pred.run_folder import RunFolder
-from pix2pred.runs import learn_into
+from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.learn import learn_into
 from pix2pred.vlm import AnswerStore, CountingVLM, Request, StoredVLM
 
 BOMB = "</script><script>window.boom=1</script><img src=x onerror=window.boom=2>"

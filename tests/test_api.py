@@ -12,7 +12,7 @@ import pytest
 import pix2pred as p2p
 from cli.hostile_lamps import Fake, write_lamps
 from lamps_run import learn_lamps
-from pix2pred.run_folder import RunFolderError
+from pix2pred.runs.folder import RunFolderError
 from pix2pred.vlm import VLMError
 
 

@@ -10,7 +10,7 @@ import pytest
 import burger_truth
 from extras import need
 from pix2pred.domains.burger import BurgerDomain
-from pix2pred.film import Film, FilmedEpisode, FilmError
+from pix2pred.execution.film import Film, FilmedEpisode, FilmError
 from pix2pred.learning import LearningSettings, learn_operators
 from pix2pred.structs import Action, Pixels
 from pix2pred.structs.environment import Step

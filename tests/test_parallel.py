@@ -14,7 +14,7 @@ import pytest
 from joblib import Parallel, delayed
 
 from extras import need
-from pix2pred.parallel import Backend, BackendError, Workers
+from pix2pred.system.parallel import Backend, BackendError, Workers
 
 ENGINES = [
     pytest.param(Workers(1), id="one"),

@@ -21,8 +21,8 @@ from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.registry import load_domain
 from pix2pred.structs import Failure
 from pix2pred.structs.views import View
-from pix2pred.vlm.answering import KnownWord
-from pix2pred.vlm.oracle import NoisyOracle
+from pix2pred.vlm.noise.oracle import NoisyOracle
+from pix2pred.vlm.offline.prompt_format import KnownWord
 
 PAGE = Path(__file__).parents[1] / "docs" / "your_own_domain.md"
 

@@ -9,7 +9,7 @@ import argparse
 import json
 
 from pix2pred.registry import load_domain
-from pix2pred.vlm.reader_model import WordDoc, load_words
+from pix2pred.vlm.offline.model import WordDoc, load_words
 
 HEAD = """# The offline reader of the {domain} domain
 

@@ -22,12 +22,12 @@ from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pix2pred.baselines.parse_code import parse_code
-from pix2pred.baselines.parse_plan import NoPlanError, parse_plan
-from pix2pred.predicates.parse_atoms import kept
-from pix2pred.predicates.parse_labels import parse_labels
-from pix2pred.predicates.propose import ProposalSettings, read_proposal
-from pix2pred.predicates.structured import as_text
+from pix2pred.approaches.parse_code import parse_code
+from pix2pred.approaches.parse_plan import NoPlanError, parse_plan
+from pix2pred.predicates.labelling.parse_labels import parse_labels
+from pix2pred.predicates.labelling.structured import as_text
+from pix2pred.predicates.proposing.parse_atoms import kept
+from pix2pred.predicates.proposing.propose import ProposalSettings, read_proposal
 from pix2pred.structs import FALSE, TRUE, UNKNOWN, Demo, Object, Skill, State, Type
 
 WORDS = {TRUE: "true", FALSE: "false", UNKNOWN: "unknown"}

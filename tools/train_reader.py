@@ -30,8 +30,8 @@ from sklearn.decomposition import PCA
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPClassifier
 
-from pix2pred.vlm.pixels import Scene
-from pix2pred.vlm.reader_model import WEIGHTS, Projection, ReaderModel, inputs, load_words
+from pix2pred.vlm.offline.model import WEIGHTS, Projection, ReaderModel, inputs, load_words
+from pix2pred.vlm.offline.pixels import Scene
 
 TRAINING_SEED, CARD_SEED = 7001, 7002
 TIGHT_COMPONENTS, WIDE_COMPONENTS = 28, 12

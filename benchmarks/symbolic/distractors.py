@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from random import Random
 
-from pix2pred.planning.pddl_read import PddlDomain
+from pix2pred.planning.pddl.read import PddlDomain
 from pix2pred.structs import AbstractState, FromDomain, GroundOperator, Object, Predicate, Type, groundings
 
 Args = tuple[Object, ...]

@@ -10,7 +10,7 @@ from pathlib import Path
 from random import Random
 
 from pix2pred.planning import AStar, GreedyBestFirst, Planner
-from pix2pred.planning.pddl_read import PddlDomain, PddlProblem, read_domain
+from pix2pred.planning.pddl.read import PddlDomain, PddlProblem, read_domain
 from pix2pred.structs import AbstractState, Atom, GroundOperator, Object, Operator, PlanStatus, Skill
 from symbolic import manipulation, missions, puzzles, transporting
 from symbolic.instance import Instance

@@ -12,9 +12,9 @@ from types import FrameType
 from typing import Any
 
 from pix2pred.planning import GreedyBestFirst, Planner
-from pix2pred.planning.pddl_read import PddlDomain, PddlProblem
+from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.structs import AbstractState, GroundOperator, Object, Operator, PlanStatus, groundings
-from pix2pred.structs.documents import Names, OperatorDoc, build_operator
+from pix2pred.structs.formats.documents import Names, OperatorDoc, build_operator
 from symbolic.traces import Workload
 
 MAX_NODES = 20_000

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.learning import dump_traces
-from pix2pred.planning.pddl_read import PddlDomain, PddlProblem
+from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.structs import (
     UNKNOWN,
     AbstractState,

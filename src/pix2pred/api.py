@@ -14,17 +14,17 @@ from pydantic import ValidationError
 
 from pix2pred.demos import Project, StoredTask, read_project, read_task
 from pix2pred.execution import PlannedScene, Solver, plan_scene
-from pix2pred.learning.samplers_file import load_samplers
+from pix2pred.learning.samplers.file import load_samplers
 from pix2pred.pipeline import Learned, Progress, Settings, silent
 from pix2pred.pipeline import learn as learn_world
-from pix2pred.planning.pddl_write import write_domain
+from pix2pred.planning.pddl.write import write_domain
 from pix2pred.predicates import Labeller
 from pix2pred.registry import check_family, load_domain, load_planner, load_stored, load_vlm
 from pix2pred.report.plan_page import render_plan
-from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.runs import MODEL, SAMPLERS
+from pix2pred.runs.folder import RunFolder, RunFolderError
+from pix2pred.runs.learn import MODEL, SAMPLERS
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
-from pix2pred.structs import model_file as files
+from pix2pred.structs.formats import world_model as files
 from pix2pred.vlm import VLM, AnswerStore
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
-from pix2pred.learning.samplers import learn_samplers
-from pix2pred.learning.samplers_settings import SamplerSettings
+from pix2pred.learning.samplers.learn import learn_samplers
+from pix2pred.learning.samplers.settings import SamplerSettings
 from pix2pred.predicates import (
     Corrections,
     GrammarSettings,

@@ -15,24 +15,24 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pix2pred.approach import Approach
+from pix2pred.approaches.approach import Approach
 from pix2pred.execution import TruthOf
 from pix2pred.images import ShownPictures
 from pix2pred.planning import AStar, ExternalPlanner, GreedyBestFirst, Planner, Portfolio, Search, TaskPlanner
-from pix2pred.planning.external import ENGINES, TIME_LIMIT
+from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
-from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment
+from pix2pred.structs.formats.documents import UnknownNameError
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
-from pix2pred.vlm.breaker import BreakerVLM
-from pix2pred.vlm.budget import BudgetVLM
-from pix2pred.vlm.estimate import EstimatingVLM
-from pix2pred.vlm.flow import FlowVLM
-from pix2pred.vlm.model_names import HostedModel, ModelNameError, hosted_model
-from pix2pred.vlm.replay import AbsentVLM, replayed
+from pix2pred.vlm.answers.replay import AbsentVLM, replayed
+from pix2pred.vlm.control.breaker import BreakerVLM
+from pix2pred.vlm.control.budget import BudgetVLM
+from pix2pred.vlm.control.estimate import EstimatingVLM
+from pix2pred.vlm.control.flow import FlowVLM
+from pix2pred.vlm.model_spec import HostedModel, ModelNameError, hosted_model
 
 if TYPE_CHECKING:
-    from pix2pred.vlm.reader_model import WordDoc
+    from pix2pred.vlm.offline.model import WordDoc
 
 _DOMAINS = {
     "burger": "pix2pred.domains.burger:BurgerDomain",
@@ -46,15 +46,15 @@ _TRUTHS = {
 }
 
 _APPROACHES = {
-    "ours": "pix2pred.baselines.ours:OURS",
-    "vlm-subselect": "pix2pred.baselines.vlm_subselect:VLM_SUBSELECT",
-    "no-subselect": "pix2pred.baselines.no_subselect:NO_SUBSELECT",
-    "no-invent": "pix2pred.baselines.no_invent:NO_INVENT",
-    "no-visual": "pix2pred.baselines.no_visual:NO_VISUAL",
-    "no-feature": "pix2pred.baselines.no_feature:NO_FEATURE",
-    "vlm-feature-predicates": "pix2pred.baselines.vlm_feature_predicates:VLM_FEATURE_PREDICATES",
-    "vila-pure": "pix2pred.baselines.vila_pure:VILA_PURE",
-    "vila-fewshot": "pix2pred.baselines.vila_fewshot:VILA_FEWSHOT",
+    "ours": "pix2pred.approaches.ours:OURS",
+    "vlm-subselect": "pix2pred.approaches.vlm_subselect:VLM_SUBSELECT",
+    "no-subselect": "pix2pred.approaches.no_subselect:NO_SUBSELECT",
+    "no-invent": "pix2pred.approaches.no_invent:NO_INVENT",
+    "no-visual": "pix2pred.approaches.no_visual:NO_VISUAL",
+    "no-feature": "pix2pred.approaches.no_feature:NO_FEATURE",
+    "vlm-feature-predicates": "pix2pred.approaches.vlm_feature_predicates:VLM_FEATURE_PREDICATES",
+    "vila-pure": "pix2pred.approaches.vila_pure:VILA_PURE",
+    "vila-fewshot": "pix2pred.approaches.vila_fewshot:VILA_FEWSHOT",
 }
 """The approaches of method 9."""
 
@@ -115,7 +115,7 @@ def load_vlm(spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, 
         from pix2pred.vlm.mailbox import MailboxVLM
 
         return MailboxVLM(Path(rest), ShownPictures())
-    from pix2pred.vlm.hosted import HostedVLM
+    from pix2pred.vlm.hosted.client import HostedVLM
 
     hosted = HostedVLM(_hosted(spec), ShownPictures(), flow.timeout)
     flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
@@ -160,8 +160,8 @@ def _offline(domain: str | None) -> VLM:
     reader = load_domain(domain).reader if domain else None
     if reader is None:
         raise RegistryError("the offline reader knows only the bundled domains; name a model with --vlm for your data")
-    from pix2pred.vlm.reader import OfflineReader
-    from pix2pred.vlm.reader_model import ReaderModel
+    from pix2pred.vlm.offline.model import ReaderModel
+    from pix2pred.vlm.offline.reader import OfflineReader
 
     return OfflineReader(str(domain), ReaderModel.load(reader))
 
@@ -199,7 +199,7 @@ def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
 
 @cache
 def _word_uses(reader: Path) -> dict[tuple[str, tuple[str, ...]], WordDoc]:
-    from pix2pred.vlm.reader_model import load_words
+    from pix2pred.vlm.offline.model import load_words
 
     return {(word.word, types): word for word, types in load_words(reader).uses()}
 

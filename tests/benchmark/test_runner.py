@@ -18,8 +18,8 @@ from benchmark.small import HashVLM, SmallNames, run_small
 from extras import need
 from pix2pred.benchmark import Outcome, read_rows, status_of
 from pix2pred.benchmark.runner import expected
-from pix2pred.parallel import Backend, Workers
-from pix2pred.run_folder import RunFolderError
+from pix2pred.runs.folder import RunFolderError
+from pix2pred.system.parallel import Backend, Workers
 from pix2pred.vlm import StoreMode
 
 ROOT = Path(__file__).parents[1]

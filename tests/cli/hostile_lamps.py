@@ -12,7 +12,7 @@ import numpy as np
 import PIL.Image
 
 from pix2pred.vlm import VLM, Answer, AnswerStore, Request, StoredVLM, StoreMode
-from pix2pred.vlm.answering import asked_atoms, current_views
+from pix2pred.vlm.offline.prompt_format import asked_atoms, current_views
 
 DOMAIN = """\
 format: pix2pred-domain

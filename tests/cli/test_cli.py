@@ -12,8 +12,8 @@ import yaml
 
 from command_line import Cli
 from pix2pred.learning import load_traces
-from pix2pred.planning.pddl_read import read_domain
-from pix2pred.structs.model_file import dump_model, load_model
+from pix2pred.planning.pddl.read import read_domain
+from pix2pred.structs.formats.world_model import dump_model, load_model
 
 
 def _tree(folder: Path, *but: str) -> dict[str, bytes]:
@@ -161,7 +161,7 @@ def test_check_reports_file_and_line(cli: Cli, project: Path, tmp_path: Path) ->
 
 
 def test_two_processes_cannot_work_in_one_run_folder(cli: Cli, project: Path, run_copy: Path) -> None:
-    from pix2pred.run_folder import RunFolder
+    from pix2pred.runs.folder import RunFolder
 
     with RunFolder(run_copy).locked():
         ran = cli("learn", project, "--out", run_copy)

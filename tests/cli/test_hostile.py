@@ -24,7 +24,7 @@ from typing import Any
 import pytest
 
 from command_line import Cli, Ran
-from pix2pred.predicates.parse_labels import parse_labels
+from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.vlm import Request, VLMError
 
 HELPER = Path(__file__).with_name("hostile_lamps.py")

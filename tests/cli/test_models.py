@@ -20,8 +20,8 @@ import pytest
 from cli.hostile_lamps import write_lamps
 from command_line import Cli
 from lamps_run import learn_lamps
-from pix2pred.learning.traces import load_traces
 from pix2pred.structs import Image
+from pix2pred.structs.formats.traces import load_traces
 from pix2pred.structs.views import HEADING_HEIGHT
 from pix2pred.vlm import Answer, AnswerStore, Request
 from vlm.fault_server import FaultServer, pictures
@@ -309,8 +309,8 @@ def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
 
     from pix2pred.images import ShownPictures
     from pix2pred.vlm import Request, VLMError
-    from pix2pred.vlm.hosted import HostedVLM
-    from pix2pred.vlm.model_names import hosted_model
+    from pix2pred.vlm.hosted.client import HostedVLM
+    from pix2pred.vlm.model_spec import hosted_model
 
     monkeypatch.setenv("PIX2PRED_API_KEY", KEY)
     caplog.set_level(logging.DEBUG)
@@ -343,12 +343,12 @@ def test_two_processes_on_one_store_ask_each_question_once_more_at_most(
 def test_a_store_that_cannot_be_written_stops_before_anything_is_asked(
     cli: Cli, lamps: Path, server: FaultServer, quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import pix2pred.vlm.store
+    import pix2pred.vlm.answers.store
 
     def refuse(path: Path, content: bytes) -> None:  # a folder without rights would not stop a test that is root
         raise PermissionError(13, "Permission denied", str(path))
 
-    monkeypatch.setattr(pix2pred.vlm.store, "write_whole", refuse)
+    monkeypatch.setattr(pix2pred.vlm.answers.store, "write_whole", refuse)
     ran = cli(
         "learn",
         lamps,
@@ -367,10 +367,10 @@ def test_a_store_that_cannot_be_written_stops_before_anything_is_asked(
 def test_a_full_disk_ends_the_run_and_loses_nothing_stored(
     cli: Cli, lamps: Path, server: FaultServer, quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import pix2pred.structs.files
-    import pix2pred.vlm.store
+    import pix2pred.system.files
+    import pix2pred.vlm.answers.store
 
-    whole, count = pix2pred.structs.files.write_whole, [0]
+    whole, count = pix2pred.system.files.write_whole, [0]
 
     def full(path: Path, content: bytes) -> None:
         count[0] += 1
@@ -379,7 +379,7 @@ def test_a_full_disk_ends_the_run_and_loses_nothing_stored(
         whole(path, content)
 
     with monkeypatch.context() as patched:
-        patched.setattr(pix2pred.vlm.store, "write_whole", full)
+        patched.setattr(pix2pred.vlm.answers.store, "write_whole", full)
         ran = cli("learn", lamps, "--vlm", model(server), "--config", quick, "--out", tmp_path / "run")
     assert ran.code == 2 and "No space left" in ran.err and "are safe" in ran.err
     stored = len(list((tmp_path / "run/answers").rglob("*.json")))

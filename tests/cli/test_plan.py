@@ -25,7 +25,7 @@ import pix2pred.cli.learn
 from command_line import Cli
 from lamps_run import BOMB, learn_lamps
 from pix2pred.planning import is_valid
-from pix2pred.planning.pddl_read import read_domain, read_problem
+from pix2pred.planning.pddl.read import read_domain, read_problem
 from pix2pred.report.plan_page import POLICY
 from pix2pred.structs import GroundOperator, Image
 from pix2pred.vlm import Request

@@ -10,7 +10,7 @@ from pathlib import Path
 import yaml
 
 from command_line import Cli
-from pix2pred.structs.model_file import load_model
+from pix2pred.structs.formats.world_model import load_model
 from pix2pred.structs.predicates import source_name
 
 DOC = Path(__file__).parents[2] / "docs" / "initial_predicates.md"

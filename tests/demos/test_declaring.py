@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from pix2pred.demos import check_project
-from pix2pred.demos.declaring import DeclarationError, declare
-from pix2pred.demos.documents import DomainDoc, load_document
-from pix2pred.demos.domain_text import domain_text
-from pix2pred.demos.example import example_declarations
+from pix2pred.demos.authoring.declaring import DeclarationError, declare
+from pix2pred.demos.authoring.domain_text import domain_text
+from pix2pred.demos.authoring.example import example_declarations
+from pix2pred.demos.files.documents import DomainDoc, load_document
 
 TYPES = ("item", "cup:item", "robot", "box:item[angle, x]")
 OBJECTS = ('mug:cup = the "blue": mug # ü', "robby:robot")

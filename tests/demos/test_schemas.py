@@ -11,10 +11,10 @@ import pytest
 
 from demos import test_check
 from pix2pred.demos import json_schemas, write_schemas
-from pix2pred.demos.domain_text import domain_text
-from pix2pred.demos.drafts import write_drafts
-from pix2pred.demos.example import example_declarations, example_drafts
-from pix2pred.demos.yaml_lines import parse_yaml
+from pix2pred.demos.authoring.domain_text import domain_text
+from pix2pred.demos.authoring.drafts import write_drafts
+from pix2pred.demos.authoring.example import example_declarations, example_drafts
+from pix2pred.demos.files.yaml_lines import parse_yaml
 
 PUBLISHED = Path(__file__).parents[2] / "docs" / "schemas"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pix2pred.demos import FolderError
-from pix2pred.demos.sidecar import clock, demo_name, read_sidecar
+from pix2pred.demos.files.sidecar import clock, demo_name, read_sidecar
 
 YAML = """\
 format: pix2pred-import

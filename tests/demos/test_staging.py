@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pix2pred.demos.staging import move_in, staged
+from pix2pred.demos.files.staging import move_in, staged
 
 
 def tree(directory: Path) -> dict[str, str]:

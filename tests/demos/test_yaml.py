@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pix2pred.demos.yaml_lines import YamlError, parse_yaml
-from pix2pred.demos.yaml_text import dump_yaml
+from pix2pred.demos.files.yaml_lines import YamlError, parse_yaml
+from pix2pred.demos.files.yaml_text import dump_yaml
 
 SCALARS = (
     st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats(allow_nan=False) | st.text(max_size=20)
@@ -69,9 +69,9 @@ HOSTILE = {
     b"a: [1, 2\nb: 3\n": (2, "not valid YAML"),
     b"a: b: c\n": (1, "quotes"),
     b"a: '\n": (2, "not valid YAML"),
-    b"[" * 200_000: (1, "nested"),
+    b"[" * 200_000: (1, "nest"),
     b"a: " + b"9" * 5000: (1, "digits"),
-    b"- " * 200_000: (1, "nested"),
+    b"- " * 200_000: (1, "nest"),
     b"a" * 9_000_000: (1, "bytes"),
     b"- a\n" * 250_000: (None, "entries"),
 }

@@ -24,7 +24,7 @@ from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.structs import AbstractState, Episode, State, WorldModel
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.views import View
-from pix2pred.vlm.oracle import NoiseRates, NoisyOracle
+from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
 
 WORDS = {"cooked": "cooked", "hand_free": "hand_empty"}
 

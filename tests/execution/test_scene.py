@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import pytest
 
 from pix2pred.execution import Guided, PlannedScene, Solver, plan_scene
-from pix2pred.execution.missing import missing
-from pix2pred.execution.rests import Need, needs
-from pix2pred.execution.wording import in_words
+from pix2pred.execution.explaining.missing import missing
+from pix2pred.execution.explaining.rests import Need, needs
+from pix2pred.execution.explaining.wording import in_words
 from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import Labeller, LabelSettings, UnusableAnswersError
 from pix2pred.structs import (
@@ -32,7 +32,7 @@ from pix2pred.structs import (
     WorldModel,
 )
 from pix2pred.vlm import Answer, Request
-from pix2pred.vlm.answering import asked_atoms
+from pix2pred.vlm.offline.prompt_format import asked_atoms
 
 CUP, KETTLE = Type("cup"), Type("kettle")
 C1, C2, K = Object("c1", CUP, "blue cup"), Object("c2", CUP), Object("k", KETTLE)

@@ -20,8 +20,8 @@ from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.structs import Atom, Episode, Failure, FromVLM, WorldModel
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.views import View
-from pix2pred.vlm.answering import KnownWord
-from pix2pred.vlm.oracle import NoisyOracle
+from pix2pred.vlm.noise.oracle import NoisyOracle
+from pix2pred.vlm.offline.prompt_format import KnownWord
 
 WORDS = {"cooked": "cooked", "hand_free": "hand_empty"}
 

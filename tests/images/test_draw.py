@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import pix2pred.images.draw
 import pix2pred.images.shown
-from pix2pred.domains.burger.render import render
+from pix2pred.domains.burger.drawing.render import render
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
 from pix2pred.images import ShownPictures, draw_view, encode_png, skill_crop
 from pix2pred.structs import Box, Image, Picture, Pixels, State

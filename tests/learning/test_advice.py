@@ -9,8 +9,8 @@ import pytest
 
 from learning.random_tables import BALL, BOX, candidate, demo, given, table
 from pix2pred.learning import LearningSettings, Verdict, advice_document, advise, readings
-from pix2pred.learning.advice import with_labels
-from pix2pred.learning.doubts import doubted
+from pix2pred.learning.labels.advice import with_labels
+from pix2pred.learning.labels.doubts import doubted
 from pix2pred.structs import (
     FALSE,
     TRUE,

@@ -28,10 +28,10 @@ from pix2pred.learning import (
     load_traces,
     operator_learner,
 )
-from pix2pred.learning.exact_tree import ExactTree
-from pix2pred.learning.grounded import GroundBits, relevant_task
-from pix2pred.learning.grouped import Grouped
-from pix2pred.learning.refinement import DemoScore, Effort, SkeletonSearch
+from pix2pred.learning.objective.demo_tasks import GroundBits, relevant_task
+from pix2pred.learning.objective.exact_tree import ExactTree
+from pix2pred.learning.objective.expected_nodes import Grouped
+from pix2pred.learning.objective.planning_effort import DemoScore, Effort, SkeletonSearch
 from pix2pred.planning import LMCut, Strips
 from pix2pred.structs import AbstractState, GroundOperator, LabelledDemo, TruthTable
 from planning.random_tasks import random_strips, relaxed_reachable

@@ -17,8 +17,8 @@ from learning import random_tables
 from learning.naive_operators import bijections, canonical, naive_operators, transitions
 from learning.random_tables import BALL, BOX, THING, demo, random_table, table
 from pix2pred.learning import LearningSettings, dump_traces, learn_operators
-from pix2pred.learning.clustering import TransitionClass, partition, refine
-from pix2pred.learning.data import Data
+from pix2pred.learning.operators.clustering import TransitionClass, partition, refine
+from pix2pred.learning.transitions import Data
 from pix2pred.structs import Action, LabelledDemo, Object, Skill, TruthTable, Type, Variable, Vocabulary
 
 SEEDS = st.integers(0, 2**32)

@@ -6,8 +6,8 @@ import pytest
 
 from learning.random_tables import candidate, demo, given, table
 from pix2pred.learning import LearningSettings, hill_climbing
-from pix2pred.learning.data import Data
-from pix2pred.learning.projections import is_projection
+from pix2pred.learning.selection.projections import is_projection
+from pix2pred.learning.transitions import Data
 from pix2pred.structs import Action, LabelledDemo, Object, Skill, TruthTable, Type
 
 PARCEL, TRUCK, TOWN = Type("parcel"), Type("truck"), Type("town")

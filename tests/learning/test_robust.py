@@ -11,9 +11,9 @@ import burger_truth
 from burger_pool import Workload, workload, wrong_labels
 from learning.random_tables import BALL, candidate, demo, given, table
 from pix2pred.learning import LearningSettings, Selection, hill_climbing, learn_operators, operator_learner
-from pix2pred.learning.clustering import partition
-from pix2pred.learning.data import Data
-from pix2pred.learning.repair import ADD, Repaired, repair
+from pix2pred.learning.labels.hidden_markov import ADD, Repaired, repair
+from pix2pred.learning.operators.clustering import partition
+from pix2pred.learning.transitions import Data
 from pix2pred.structs import UNKNOWN, Action, LabelledDemo, Object, Operator, Skill, TruthTable
 
 ROBUST = LearningSettings(operators="robust")
@@ -172,7 +172,7 @@ def test_nothing_to_learn_from() -> None:
 
 
 def test_workers_do_not_change_the_result() -> None:
-    from pix2pred.parallel import Workers
+    from pix2pred.system.parallel import Workers
 
     source = wrong_labels(workload("combo", 40, seed=6).table, 0.02, seed=6)
     for settings in (ROBUST, LearningSettings()):

@@ -12,11 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from extras import need
-from pix2pred.learning import samplers_torch
-from pix2pred.learning.samplers import LearnedSampler, SamplerFitter, fit_gaussian, learn_samplers
-from pix2pred.learning.samplers_data import SamplerData, sampler_data
-from pix2pred.learning.samplers_file import SamplerFileError, dump_samplers, load_samplers
-from pix2pred.learning.samplers_torch import fit_networks
+from pix2pred.learning.samplers import networks as samplers_torch
+from pix2pred.learning.samplers.data import SamplerData, sampler_data
+from pix2pred.learning.samplers.file import SamplerFileError, dump_samplers, load_samplers
+from pix2pred.learning.samplers.learn import LearnedSampler, SamplerFitter, fit_gaussian, learn_samplers
+from pix2pred.learning.samplers.networks import fit_networks
 from pix2pred.structs import (
     Action,
     Demo,

@@ -9,7 +9,7 @@ import pytest
 from learning.random_tables import BALL, candidate, demo, given, table
 from learning.random_workloads import random_workload
 from pix2pred.learning import HillClimbing, LearningSettings, Published, Selection, hill_climbing, operator_learner
-from pix2pred.learning.refinement import DemoScore
+from pix2pred.learning.objective.planning_effort import DemoScore
 from pix2pred.planning import Strips
 from pix2pred.structs import Action, Object, Skill, TruthTable
 

@@ -8,8 +8,8 @@ import pytest
 
 from learning.random_tables import BALL, candidate, demo, given, table
 from pix2pred.learning import LearningSettings, Published, Selection, hill_climbing, load_traces
-from pix2pred.learning.data import Data
-from pix2pred.learning.objective import Score
+from pix2pred.learning.objective.objective import Score
+from pix2pred.learning.transitions import Data
 from pix2pred.structs import Action, LabelledDemo, Object, Predicate, Skill, TruthTable
 
 LABELS = Path(__file__).parents[1] / "data" / "workloads" / "coffee_reader_seed3.json.gz"

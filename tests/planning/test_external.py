@@ -12,8 +12,9 @@ import pytest
 
 from extras import need
 from pix2pred.cli.app import run
-from pix2pred.planning import AStar, ExternalPlanner, ExternalPlannerError, Planner, external, is_valid
-from pix2pred.planning.pddl_read import PddlDomain, PddlProblem, read_domain, read_problem
+from pix2pred.planning import AStar, ExternalPlanner, ExternalPlannerError, Planner, is_valid
+from pix2pred.planning.external import planner as external
+from pix2pred.planning.pddl.read import PddlDomain, PddlProblem, read_domain, read_problem
 from pix2pred.registry import load_planner
 from pix2pred.structs import PlanResult, PlanStatus
 from planning.test_cross_check import FOLDER, PROBLEMS

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from pix2pred.cli.app import run
-from pix2pred.planning.pddl_read import PddlProblem, read_domain, read_problem
-from pix2pred.planning.pddl_syntax import PddlError
+from pix2pred.planning.pddl.read import PddlProblem, read_domain, read_problem
+from pix2pred.planning.pddl.syntax import PddlError
 
 DOMAIN = """(define (domain d)
  (:requirements :strips :typing)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pix2pred.predicates.corrections import Corrections, CorrectionsError, parse_row, read_rows, row_line
-from pix2pred.predicates.explanations import explanations
+from pix2pred.predicates.labelling.explanations import explanations
 from pix2pred.structs import (
     Action,
     Candidate,

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fuzz_parsers
-from pix2pred.predicates.parse_labels import parse_labels
+from pix2pred.predicates.labelling.parse_labels import parse_labels
 
 
 @pytest.mark.parametrize("parser", fuzz_parsers.PARSERS)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pix2pred.predicates.parse_atoms import clean, mentions
+from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 
 
 def found(text: str) -> list[str]:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pix2pred.predicates.parse_labels import parse_labels, value_lines
+from pix2pred.predicates.labelling.parse_labels import parse_labels, value_lines
 from pix2pred.structs import FALSE, TRUE, UNKNOWN
 
 QUERY = ("cooked(patty1)", "on(a, b)")

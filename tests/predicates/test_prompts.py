@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from pix2pred.predicates import Labeller, LabelSettings, ProposalSettings, ground_atoms
-from pix2pred.predicates.propose import proposal_request
+from pix2pred.predicates.proposing.propose import proposal_request
 from pix2pred.structs import FromVLM, Predicate
 from pix2pred.vlm import Request
 from predicates.scripted import COOKED, HOLDING, POOL, ScriptedVLM, demo

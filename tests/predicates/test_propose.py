@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pix2pred.predicates import EmptyProposalError, Proposal, ProposalSettings, ProposedAtom, lift, propose
-from pix2pred.predicates.propose import read_proposal
+from pix2pred.predicates.proposing.propose import read_proposal
 from pix2pred.structs import FromVLM, Object, Type
 from predicates.scripted import BLUE_CUP, CUP, ITEM, OBJECTS, P1, P2, PATTY, ScriptedVLM, demo
 

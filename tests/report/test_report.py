@@ -16,8 +16,8 @@ from lamps_run import BOMB, learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.report import REPORT, load_contents, render, write_report
 from pix2pred.report.attention import unsure
-from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.runs import relearn
+from pix2pred.runs.folder import RunFolder, RunFolderError
+from pix2pred.runs.learn import relearn
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from lamps_run import BOMB, learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.report import REPORT
 from pix2pred.review import ReviewServer
-from pix2pred.run_folder import RunFolder
+from pix2pred.runs.folder import RunFolder
 
 pytestmark = need("playwright", extra="browser")
 

@@ -15,7 +15,7 @@ import pytest
 from lamps_run import learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.review import ReviewServer
-from pix2pred.run_folder import RunFolder
+from pix2pred.runs.folder import RunFolder
 
 
 @pytest.fixture

@@ -28,8 +28,8 @@ from pix2pred.structs import (
     Vocabulary,
     WorldModel,
 )
-from pix2pred.structs.documents import Names, ObjectDoc, TypeDoc, UnknownNameError, build_types
-from pix2pred.structs.model_file import ModelFileError, dump_model, load_model
+from pix2pred.structs.formats.documents import Names, ObjectDoc, TypeDoc, UnknownNameError, build_types
+from pix2pred.structs.formats.world_model import ModelFileError, dump_model, load_model
 
 THING = Type("thing")
 CUP = Type("cup", ("x", "y"), THING)

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import pix2pred.structs.png
+import pix2pred.system.png
 from pix2pred.structs import Image, PictureError
-from pix2pred.structs.png import pack, png_file, unpack
+from pix2pred.system.png import pack, png_file, unpack
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (30, 41)])
@@ -37,7 +37,7 @@ def test_the_checksum_of_joined_strips_is_that_of_their_rows(heights: list[int],
 
 def test_without_fast_packing_the_pictures_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "isal", None)
-    plain = runpy.run_path(str(Path(pix2pred.structs.png.__file__)), run_name="without")
+    plain = runpy.run_path(str(Path(pix2pred.system.png.__file__)), run_name="without")
     assert plain["packing"] is zlib
     pixels = np.random.default_rng(1).integers(0, 256, (30, 41, 3), dtype=np.uint8)
     assert np.array_equal(Image(plain["png_file"]([plain["pack"](pixels)])).pixels(), pixels)

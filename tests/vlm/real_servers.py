@@ -18,8 +18,8 @@ from pix2pred.images import ShownPictures
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
 from pix2pred.vlm import Request
-from pix2pred.vlm.hosted import HostedVLM
-from pix2pred.vlm.model_names import hosted_model
+from pix2pred.vlm.hosted.client import HostedVLM
+from pix2pred.vlm.model_spec import hosted_model
 
 QUIET = os.environ | {"OMP_NUM_THREADS": "1", "HF_HUB_OFFLINE": "1"}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pix2pred.vlm.picture_tokens import picture_tokens
+from pix2pred.vlm.hosted.picture_tokens import picture_tokens
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 from pix2pred.images import ShownPictures
-from pix2pred.predicates import Labeller, Labelling, LabelSettings, ProposalSettings, asking, label_demos, lift, propose
+from pix2pred.predicates import Labeller, Labelling, LabelSettings, ProposalSettings, label_demos, lift, propose
+from pix2pred.predicates.labelling import asking
 from pix2pred.structs import Demo, Image, Object, Picture, State
 from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM
-from pix2pred.vlm.breaker import BreakerVLM
-from pix2pred.vlm.flow import FlowVLM
-from pix2pred.vlm.hosted import HostedVLM
-from pix2pred.vlm.model_names import hosted_model
+from pix2pred.vlm.control.breaker import BreakerVLM
+from pix2pred.vlm.control.flow import FlowVLM
+from pix2pred.vlm.hosted.client import HostedVLM
+from pix2pred.vlm.model_spec import hosted_model
 from predicates.scripted import OBJECTS, demo
 from vlm.fault_server import FAULTS, READABLE, FaultServer, text
 

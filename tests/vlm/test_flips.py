@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
-from pix2pred.vlm.flips import FlippingVLM
+from pix2pred.vlm.noise.flips import FlippingVLM
 from predicates.scripted import COOKED, POOL, ScriptedVLM, demo
 
 

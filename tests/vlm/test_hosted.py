@@ -18,10 +18,10 @@ from pix2pred.images import ShownPictures, draw_view
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
 from pix2pred.vlm import Finish, NoAnswerError, Request, VLMError
-from pix2pred.vlm.flow import TransientError
-from pix2pred.vlm.hosted import HostedVLM, _tokens
-from pix2pred.vlm.model_names import ModelNameError, hosted_model
-from pix2pred.vlm.pricing import dollars
+from pix2pred.vlm.control.flow import TransientError
+from pix2pred.vlm.hosted.client import HostedVLM, _tokens
+from pix2pred.vlm.hosted.pricing import dollars
+from pix2pred.vlm.model_spec import ModelNameError, hosted_model
 from vlm.fault_server import FaultServer, _send, pictures, text
 
 VIEWS = [

@@ -17,17 +17,17 @@ import pytest
 import train_reader
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.classifiers import objects_of
+from pix2pred.domains.burger.drawing.render import render
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.random_worlds import random_worlds
-from pix2pred.domains.burger.render import render
 from pix2pred.domains.burger.vocabulary import SKILL_OF, SKILLS
 from pix2pred.domains.burger.world import World
 from pix2pred.predicates import Labeller, LabelSettings, Step, ground_atoms
-from pix2pred.predicates.parse_labels import parse_labels
+from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Object, Picture, Predicate, State
 from pix2pred.vlm import Answer, Request
-from pix2pred.vlm.reader import OfflineReader
-from pix2pred.vlm.reader_model import WEIGHTS, ReaderModel
+from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
+from pix2pred.vlm.offline.reader import OfflineReader
 
 TEST_SEED = 7003
 READER = BurgerDomain().reader or Path()

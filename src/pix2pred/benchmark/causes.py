@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from pix2pred.approach import ModelAgent, TruthInDemo
+from pix2pred.approaches.approach import ModelAgent, TruthInDemo
 from pix2pred.benchmark.rows import Cause
 from pix2pred.execution import TruthOf
 from pix2pred.execution.episode import open_loop

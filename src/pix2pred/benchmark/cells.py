@@ -13,17 +13,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
-from pix2pred.approach import Agent, Approach, ModelAgent, Training, TruthInDemo
+from pix2pred.approaches.approach import Agent, Approach, ModelAgent, Training, TruthInDemo
 from pix2pred.benchmark.causes import Replayable, cause_of, check_labels, training_errors, truths_of_demos
 from pix2pred.benchmark.rows import Cause, Outcome, Row
 from pix2pred.benchmark.suite import FamilyEntry, Suite
 from pix2pred.benchmark.sweeps import NotAvailableError, Setting, tasks_for, vary
 from pix2pred.execution import TruthOf
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
-from pix2pred.run_folder import RunFolder, RunFolderError
+from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.structs import Demo, Episode, Failure, Predicate
-from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.environment import Domain, Environment, SimulatedTask
+from pix2pred.structs.formats.documents import UnknownNameError
 from pix2pred.vlm import VLM, AnswerStore, CountingVLM, StoredVLM, StoreMode
 
 READER = "offline:"

@@ -10,8 +10,8 @@ from pix2pred.benchmark.claims import load_claims
 from pix2pred.benchmark.runner import Run
 from pix2pred.benchmark.suite import SuiteError
 from pix2pred.benchmark.tables import only_finished, section, summary, summary_csv
-from pix2pred.run_folder import RunFolder
-from pix2pred.structs.files import write_whole
+from pix2pred.runs.folder import RunFolder
+from pix2pred.system.files import write_whole
 
 
 def begin(name: str, *, short: bool = False) -> str:

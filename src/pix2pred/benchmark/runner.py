@@ -12,8 +12,8 @@ from typing import Any
 from pix2pred.benchmark.cells import Catalogue, Done, Job, run_job
 from pix2pred.benchmark.rows import Row, dump_csv, dump_rows
 from pix2pred.benchmark.suite import Suite
-from pix2pred.parallel import Workers
-from pix2pred.run_folder import RunFolder, RunFolderError
+from pix2pred.runs.folder import RunFolder, RunFolderError
+from pix2pred.system.parallel import Workers
 from pix2pred.vlm import AnswerStore, StoreMode
 
 ROWS = "rows.jsonl"

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
-from pix2pred.approach import Approach, Composition
+from pix2pred.approaches.approach import Approach, Composition
 from pix2pred.benchmark.suite import Axis
 from pix2pred.structs import Demo
 from pix2pred.structs.environment import Domain, SimulatedTask
 from pix2pred.vlm import VLM
-from pix2pred.vlm.flips import FlippingVLM
+from pix2pred.vlm.noise.flips import FlippingVLM
 
 
 class NotAvailableError(LookupError):

@@ -12,8 +12,8 @@ from rich.table import Table
 from pix2pred.cli.console import err, out, plain, print_json
 from pix2pred.registry import RegistryError
 from pix2pred.vlm import AnswerStore
-from pix2pred.vlm.inspection import export as export_answers
-from pix2pred.vlm.inspection import find, problems, read_stored
+from pix2pred.vlm.answers.inspection import export as export_answers
+from pix2pred.vlm.answers.inspection import find, problems, read_stored
 
 answers = App(name="answers", help="Look into an answer store (a run folder, or the folder of --answers).")
 

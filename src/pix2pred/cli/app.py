@@ -14,7 +14,7 @@ from cyclopts import App, CycloptsError
 from pydantic import ValidationError
 
 from pix2pred import __version__
-from pix2pred.baselines.sandbox import SandboxError
+from pix2pred.approaches.sandbox import SandboxError
 from pix2pred.benchmark import SuiteError
 from pix2pred.cli.answers import answers
 from pix2pred.cli.bench import bench
@@ -30,23 +30,23 @@ from pix2pred.cli.review import review
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
 from pix2pred.demos import FolderError
-from pix2pred.demos.declaring import DeclarationError
-from pix2pred.film import FilmError
+from pix2pred.demos.authoring.declaring import DeclarationError
+from pix2pred.execution.film import FilmError
 from pix2pred.learning import TracesError
-from pix2pred.learning.samplers_file import SamplerFileError
-from pix2pred.parallel import BackendError
+from pix2pred.learning.samplers.file import SamplerFileError
 from pix2pred.planning import ExternalPlannerError
 from pix2pred.predicates import CorrectionsError, EmptyProposalError, EvidenceError, UnusableAnswersError
 from pix2pred.registry import RegistryError
-from pix2pred.run_folder import RunFolderError
+from pix2pred.runs.folder import RunFolderError
 from pix2pred.structs import PictureError
-from pix2pred.structs.documents import UnknownNameError
 from pix2pred.structs.expressions import ExpressionError
-from pix2pred.structs.extras import MissingExtraError
-from pix2pred.structs.model_file import ModelFileError
+from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.world_model import ModelFileError
+from pix2pred.system.extras import MissingExtraError
+from pix2pred.system.parallel import BackendError
 from pix2pred.vlm import VLMError
-from pix2pred.vlm.breaker import UselessModelError
-from pix2pred.vlm.budget import BudgetError
+from pix2pred.vlm.control.breaker import UselessModelError
+from pix2pred.vlm.control.budget import BudgetError
 
 BAD_INPUT = (
     CorrectionsError,

@@ -17,8 +17,8 @@ from pix2pred.benchmark.report import write_into, write_report
 from pix2pred.benchmark.runner import expected
 from pix2pred.benchmark.tables import comparison, models_of
 from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
-from pix2pred.parallel import Backend, Workers
 from pix2pred.registry import Names
+from pix2pred.system.parallel import Backend, Workers
 from pix2pred.vlm import StoreMode
 
 bench = App(name="bench", help="Run benchmark suites, see how far they are, report and compare them.")

@@ -21,7 +21,7 @@ from pix2pred.demos import (
 from pix2pred.pipeline import ask_everything
 from pix2pred.registry import RegistryError, check_family, load_domain, load_estimator
 from pix2pred.vlm import AnswerStore
-from pix2pred.vlm.model_names import FORMS
+from pix2pred.vlm.model_spec import FORMS
 
 EXAMPLE_MODEL = "openai:gpt-4o"
 """Whose prices are shown where nobody has said which model it will be."""

@@ -15,7 +15,7 @@ from pix2pred.cli.solve import run_solving
 from pix2pred.demos import read_project, read_tasks
 from pix2pred.registry import RegistryError
 from pix2pred.report import write_report
-from pix2pred.run_folder import RunFolder
+from pix2pred.runs.folder import RunFolder
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.vlm import StoreMode
 

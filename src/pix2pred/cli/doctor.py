@@ -19,8 +19,8 @@ from pix2pred.registry import RegistryError, load_domain, load_vlm
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
 from pix2pred.vlm import Finish, FlowSettings, Request, VLMError
-from pix2pred.vlm.hosted import key_of_provider
-from pix2pred.vlm.model_names import KEY_VARIABLES
+from pix2pred.vlm.hosted.client import key_of_provider
+from pix2pred.vlm.model_spec import KEY_VARIABLES
 
 _PACKAGES = {
     "core": ("pydantic-ai-slim", "openai", "genai-prices", "numpy", "pillow", "scikit-learn"),

@@ -10,13 +10,13 @@ from cyclopts import App, Parameter
 
 from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
 from pix2pred.demos import inspect_project
-from pix2pred.demos.declaring import Declarations
-from pix2pred.demos.domain_text import domain_text
-from pix2pred.demos.drafts import Draft, write_drafts
-from pix2pred.demos.folders import DOMAIN
+from pix2pred.demos.authoring.declaring import Declarations
+from pix2pred.demos.authoring.domain_text import domain_text
+from pix2pred.demos.authoring.drafts import Draft, write_drafts
+from pix2pred.demos.authoring.photos import MAX_SIDE, Order
+from pix2pred.demos.files.folders import DOMAIN
+from pix2pred.demos.files.sidecar import read_sidecar
 from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos
-from pix2pred.demos.photos import MAX_SIDE, Order
-from pix2pred.demos.sidecar import read_sidecar
 
 imports = App(name="import", help="Bring photos, videos and robot data into a project as demonstrations.")
 

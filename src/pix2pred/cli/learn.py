@@ -14,10 +14,10 @@ from pix2pred.demos import Project, project_digest, read_project
 from pix2pred.pipeline import Settings, ask_everything
 from pix2pred.registry import NO_LIMITS, Limits, RegistryError, load_estimator, load_stored
 from pix2pred.report import REPORT, write_report
-from pix2pred.run_folder import RunFolder
-from pix2pred.runs import learn_into, relearn
+from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.learn import learn_into, relearn
 from pix2pred.vlm import AnswerStore, CountingVLM, StoreMode
-from pix2pred.vlm.model_names import FORMS
+from pix2pred.vlm.model_spec import FORMS
 
 
 def learn(

@@ -12,10 +12,10 @@ from pix2pred.cli.console import err, out, plain, print_json
 from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_missing
 from pix2pred.demos import read_task
 from pix2pred.execution import PlannedScene, plan_scene
-from pix2pred.execution.wording import in_words
-from pix2pred.plan_folder import PAGE, PlanFolder, plan_document
+from pix2pred.execution.explaining.wording import in_words
 from pix2pred.report.plan_page import render_plan
-from pix2pred.run_folder import RunFolder
+from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.plan_folder import PAGE, PlanFolder, plan_document
 from pix2pred.structs import PlanStatus
 
 _NO_PLAN = {

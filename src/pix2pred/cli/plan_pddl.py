@@ -11,12 +11,12 @@ from cyclopts import Parameter
 from pix2pred.cli.console import POSITIVE, print_json
 from pix2pred.cli.console import out as console
 from pix2pred.planning import is_valid
-from pix2pred.planning.external import ENGINES, IN_EXTRA, TIME_LIMIT
-from pix2pred.planning.pddl_read import PddlDomain, read_domain, read_problem
-from pix2pred.planning.pddl_syntax import PddlError
+from pix2pred.planning.external.planner import ENGINES, IN_EXTRA, TIME_LIMIT
+from pix2pred.planning.pddl.read import PddlDomain, read_domain, read_problem
+from pix2pred.planning.pddl.syntax import PddlError
 from pix2pred.registry import SEARCHES, RegistryError, load_planner
 from pix2pred.structs import PlanResult, PlanStatus
-from pix2pred.structs.files import write_whole
+from pix2pred.system.files import write_whole
 
 T = TypeVar("T")
 EXTERNAL = (

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from pix2pred.cli.console import NOT_NEGATIVE, err, out
 from pix2pred.report import write_report
 from pix2pred.review import ReviewServer
-from pix2pred.run_folder import RunFolder
+from pix2pred.runs.folder import RunFolder
 
 
 def review(

@@ -22,11 +22,11 @@ from pix2pred.learning import (
     load_traces,
     selection_document,
 )
-from pix2pred.parallel import Backend, Workers
-from pix2pred.planning.pddl_write import write_domain, write_problem
+from pix2pred.planning.pddl.write import write_domain, write_problem
 from pix2pred.structs import Predicate, WorldModel
-from pix2pred.structs.documents import UnknownNameError
-from pix2pred.structs.files import write_whole
+from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.system.files import write_whole
+from pix2pred.system.parallel import Backend, Workers
 
 PUBLISHED = LearningSettings()
 

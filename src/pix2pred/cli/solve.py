@@ -13,11 +13,11 @@ from pix2pred.api import load_solver
 from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, out, print_json, print_solved
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
-from pix2pred.film import Film
+from pix2pred.execution.film import Film
 from pix2pred.registry import RegistryError, check_family, load_domain, word_truth
 from pix2pred.report import write_report
-from pix2pred.run_folder import RunFolder
-from pix2pred.runs import solve_into
+from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.learn import solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
 

@@ -2,10 +2,10 @@
 
 from pix2pred.demos.check import Inspection, check_project, inspect_project
 from pix2pred.demos.digest import project_digest
-from pix2pred.demos.problems import FolderError, Problem
+from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.schemas import json_schemas, write_schemas
 from pix2pred.demos.read import Project, StoredTask, read_project, read_tasks
 from pix2pred.demos.scene_photos import Photographed, read_photo, read_task, state_from_doc
-from pix2pred.demos.schemas import json_schemas, write_schemas
 from pix2pred.demos.write import write_project, write_state, write_task
 
 __all__ = [

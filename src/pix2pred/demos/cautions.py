@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pix2pred.demos.declared import Declared
-from pix2pred.demos.documents import DemoDoc, DomainDoc, load_document
-from pix2pred.demos.folders import DEMO, DEMOS, DOMAIN, IMAGES
-from pix2pred.demos.problems import Problem
+from pix2pred.demos.files.documents import DemoDoc, DomainDoc, load_document
+from pix2pred.demos.files.folders import DEMO, DEMOS, DOMAIN, IMAGES
+from pix2pred.demos.files.problems import Problem
+from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.demos.read import Project, StoredTask
-from pix2pred.demos.yaml_lines import Loc
 from pix2pred.structs import Atom, Demo, FromDomain, FromFeatures, FromHuman, FromSkills, FromVLM, State
 from pix2pred.structs.expressions import ExpressionError, evaluate, parse_expression
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.demos.cautions import cautions
-from pix2pred.demos.folders import is_folder
-from pix2pred.demos.problems import Problem, in_reading_order
+from pix2pred.demos.files.folders import is_folder
+from pix2pred.demos.files.problems import Problem, in_reading_order
 from pix2pred.demos.read import Project, collect_project, collect_tasks
 
 

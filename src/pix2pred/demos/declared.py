@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from pix2pred.demos.documents import DomainDoc, Sheet
-from pix2pred.demos.yaml_lines import Loc
+from pix2pred.demos.files.documents import DomainDoc, Sheet
+from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.structs import Object, Predicate, Skill, Type, Vocabulary
-from pix2pred.structs.documents import (
+from pix2pred.structs.formats.documents import (
     ObjectDoc,
     PredicateDoc,
     SkillDoc,

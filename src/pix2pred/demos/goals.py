@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pix2pred.demos.documents import Sheet
+from pix2pred.demos.files.documents import Sheet
 from pix2pred.structs import Atom, FromDomain, FromHuman, State
 
 

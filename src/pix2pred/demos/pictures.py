@@ -12,10 +12,10 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
-from pix2pred.demos.documents import CAMERA_PATTERN, Sheet
-from pix2pred.demos.folders import entries, is_folder, refusal
-from pix2pred.demos.problems import Problem
-from pix2pred.demos.yaml_lines import Loc
+from pix2pred.demos.files.documents import CAMERA_PATTERN, Sheet
+from pix2pred.demos.files.folders import entries, is_folder, refusal
+from pix2pred.demos.files.problems import Problem
+from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.structs import Box, Image, PictureError, Pixels
 
 ENDINGS = (".png", ".jpg", ".jpeg")

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from pix2pred.demos.declared import Declared, build_declared, resolve_objects
-from pix2pred.demos.documents import DemoDoc, DomainDoc, TaskDoc, load_document
-from pix2pred.demos.folders import (
+from pix2pred.demos.files.documents import DemoDoc, DomainDoc, TaskDoc, load_document
+from pix2pred.demos.files.folders import (
     DEMO,
     DEMOS,
     DOMAIN,
@@ -23,9 +23,9 @@ from pix2pred.demos.folders import (
     named_folders,
     refusal,
 )
+from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.goals import check_goal
 from pix2pred.demos.pictures import check_image_folders
-from pix2pred.demos.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.scenes import Scene
 from pix2pred.structs import Demo, Task, Vocabulary
 

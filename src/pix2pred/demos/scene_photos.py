@@ -13,15 +13,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from pix2pred.demos.authoring.photos import clean_copy
 from pix2pred.demos.declared import Declared, resolve_objects
-from pix2pred.demos.documents import DomainDoc, Sheet, StateDoc, load_document
-from pix2pred.demos.folders import DOMAIN, MISSING, TASKS, refusal
-from pix2pred.demos.photos import clean_copy
+from pix2pred.demos.files.documents import DomainDoc, Sheet, StateDoc, load_document
+from pix2pred.demos.files.folders import DOMAIN, MISSING, TASKS, refusal
+from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
+from pix2pred.demos.files.yaml_lines import LinedData, YamlError, parse_yaml
 from pix2pred.demos.pictures import ENDINGS
-from pix2pred.demos.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.read import StoredTask, read_one_task
 from pix2pred.demos.scenes import Scene
-from pix2pred.demos.yaml_lines import LinedData, YamlError, parse_yaml
 from pix2pred.structs import Image, Picture, PictureError, State, Task, Vocabulary
 
 STATE = "state.yaml"

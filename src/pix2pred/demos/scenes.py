@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pix2pred.demos.declared import Declared, resolve_objects
-from pix2pred.demos.documents import Sheet, StateDoc
+from pix2pred.demos.files.documents import Sheet, StateDoc
+from pix2pred.demos.files.problems import Problem
+from pix2pred.demos.files.unfilled import ask_for_action, ask_for_atom, is_unfilled
+from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.demos.pictures import PictureCheck, Shown, find_pictures
-from pix2pred.demos.problems import Problem
-from pix2pred.demos.unfilled import ask_for_action, ask_for_atom, is_unfilled
-from pix2pred.demos.yaml_lines import Loc
 from pix2pred.structs import Action, Application, Atom, Box, Image, Object, Picture, State, parse_application
-from pix2pred.structs.documents import Names, ObjectDoc, UnknownNameError
+from pix2pred.structs.formats.documents import Names, ObjectDoc, UnknownNameError
 
 
 class Scene:

@@ -7,17 +7,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pix2pred.demos.documents import VERSION, DemoDoc, DomainDoc, TaskDoc
-from pix2pred.demos.folders import DEMO, DEMOS, DOMAIN, FOLDER_NAME, IMAGES, SIMULATOR, TASK, TASKS, natural
+from pix2pred.demos.files.documents import VERSION, DemoDoc, DomainDoc, TaskDoc
+from pix2pred.demos.files.folders import DEMO, DEMOS, DOMAIN, FOLDER_NAME, IMAGES, SIMULATOR, TASK, TASKS, natural
+from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.staging import blamed, move_in, staged
+from pix2pred.demos.files.yaml_lines import YamlError, parse_yaml
+from pix2pred.demos.files.yaml_text import dump_yaml
 from pix2pred.demos.pictures import JPEG_START, PNG_START
-from pix2pred.demos.problems import FolderError, Problem
 from pix2pred.demos.read import read_project, read_tasks
-from pix2pred.demos.staging import blamed, move_in, staged
-from pix2pred.demos.yaml_lines import YamlError, parse_yaml
-from pix2pred.demos.yaml_text import dump_yaml
 from pix2pred.structs import Action, Demo, Image, Object, State, Vocabulary
-from pix2pred.structs.documents import predicate_doc, skill_doc, type_doc
 from pix2pred.structs.environment import SimulatedTask
+from pix2pred.structs.formats.documents import predicate_doc, skill_doc, type_doc
 
 
 def write_project(

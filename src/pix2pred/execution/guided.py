@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pix2pred.execution.missing import Missing, missing
+from pix2pred.execution.explaining.missing import Missing, missing
+from pix2pred.execution.explaining.scene import PlannedScene, listed
 from pix2pred.execution.pursuit import GivenUpError, Pursuit, changes
-from pix2pred.execution.scene import PlannedScene, listed
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
 

@@ -13,8 +13,8 @@ from typing import Generic, TypeVar
 
 from pix2pred.images.draw import draw_heading, draw_scene
 from pix2pred.structs import Image, Pixels
-from pix2pred.structs.png import Strip, pack, png_file
 from pix2pred.structs.views import View
+from pix2pred.system.png import Strip, pack, png_file
 
 _PACKED_BYTES = 64_000_000
 _DECODED_BYTES = 96_000_000

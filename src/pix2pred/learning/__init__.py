@@ -1,13 +1,19 @@
 """From labels to operators and selected predicates. Nothing here asks a model or sees a picture."""
 
-from pix2pred.learning.advice import Advice, LabelAdvice, advice_document, advise
-from pix2pred.learning.document import selection_document
-from pix2pred.learning.engines import climbing_rule, hill_climbing, learn_operators, operator_learner, skeleton_search
-from pix2pred.learning.readings import Reading, Verdict, readings
-from pix2pred.learning.rules import ClimbingRule, Explained, Published
-from pix2pred.learning.selection import HillClimbing, RunnerUp, Selection, Step
+from pix2pred.learning.labels.advice import Advice, LabelAdvice, advice_document, advise
+from pix2pred.learning.operators.support import Reading, Verdict, readings
+from pix2pred.learning.selection.document import selection_document
+from pix2pred.learning.selection.hill_climbing import HillClimbing, RunnerUp, Selection, Step
+from pix2pred.learning.selection.stopping_rules import ClimbingRule, Explained, Published
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.learning.traces import Traces, TracesError, dump_traces, load_traces
+from pix2pred.learning.strategies import (
+    climbing_rule,
+    hill_climbing,
+    learn_operators,
+    operator_learner,
+    skeleton_search,
+)
+from pix2pred.structs.formats.traces import Traces, TracesError, dump_traces, load_traces
 
 __all__ = [
     "Advice",

@@ -1,13 +1,14 @@
 """From pictures to symbols: proposing, labelling, and feature predicates."""
 
 from pix2pred.predicates.abstraction import Abstraction
-from pix2pred.predicates.asking import READ, Gap
 from pix2pred.predicates.corrections import CORRECTIONS, Corrections, CorrectionsError, load_corrections
-from pix2pred.predicates.evidence import EVIDENCE, EvidenceError, dump_evidence
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
-from pix2pred.predicates.label import Labeller, StateLabels, Step, UnusableAnswersError
-from pix2pred.predicates.label_settings import LabelSettings
-from pix2pred.predicates.propose import (
+from pix2pred.predicates.labelling.asking import READ, Gap
+from pix2pred.predicates.labelling.evidence import EVIDENCE, EvidenceError, dump_evidence
+from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, Step, UnusableAnswersError
+from pix2pred.predicates.labelling.settings import LabelSettings
+from pix2pred.predicates.labelling.table import Labelling, goal_warnings, ground_atoms, label_demos
+from pix2pred.predicates.proposing.propose import (
     EmptyProposalError,
     Proposal,
     ProposalSettings,
@@ -16,7 +17,6 @@ from pix2pred.predicates.propose import (
     lift,
     propose,
 )
-from pix2pred.predicates.table import Labelling, goal_warnings, ground_atoms, label_demos
 
 __all__ = [
     "CORRECTIONS",

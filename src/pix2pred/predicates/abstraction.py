@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from pix2pred.predicates.asking import READ
 from pix2pred.predicates.initial import is_asked, local_values
-from pix2pred.predicates.label import Labeller, StateLabels, Step, UnusableAnswersError
-from pix2pred.predicates.table import ground_atoms
+from pix2pred.predicates.labelling.asking import READ
+from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, Step, UnusableAnswersError
+from pix2pred.predicates.labelling.table import ground_atoms
 from pix2pred.structs import TRUE, AbstractState, Action, Atom, Object, Predicate, State
 
 

@@ -24,7 +24,7 @@ from pix2pred.structs import (
     Predicate,
     TruthTable,
 )
-from pix2pred.structs.documents import Document, Names, PredicateName, UnknownNameError
+from pix2pred.structs.formats.documents import Document, Names, PredicateName, UnknownNameError
 
 CORRECTIONS = "corrections.jsonl"
 """Where a run keeps them."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pix2pred.report.contents import load_contents
 from pix2pred.report.page import render
-from pix2pred.run_folder import RunFolder
+from pix2pred.runs.folder import RunFolder
 
 REPORT = "report.html"
 """Where a run keeps it."""

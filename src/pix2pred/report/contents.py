@@ -12,11 +12,11 @@ from typing import Any
 from pix2pred.learning import Reading, load_traces, readings
 from pix2pred.predicates import CORRECTIONS, EVIDENCE, Corrections, ground_atoms
 from pix2pred.predicates.corrections import Row, read_rows, with_atoms
-from pix2pred.predicates.evidence import Evidence, load_evidence
-from pix2pred.run_folder import RunFolder, RunFolderError
-from pix2pred.runs import ADVICE, AS_SAID, HISTORY, MODEL
+from pix2pred.predicates.labelling.evidence import Evidence, load_evidence
+from pix2pred.runs.folder import RunFolder, RunFolderError
+from pix2pred.runs.learn import ADVICE, AS_SAID, HISTORY, MODEL
 from pix2pred.structs import TruthTable, WorldModel
-from pix2pred.structs.model_file import load_model
+from pix2pred.structs.formats.world_model import load_model
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from pathlib import Path
 import PIL.Image
 from joblib import Parallel, delayed
 
-from pix2pred.structs.files import write_whole
 from pix2pred.structs.states import Image, PictureError
+from pix2pred.system.files import write_whole
 
 LONGEST_SIDE = 512
 """Pixels; what a model is shown at most."""

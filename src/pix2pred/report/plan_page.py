@@ -16,8 +16,8 @@ from markupsafe import Markup
 
 from pix2pred import __version__
 from pix2pred.execution import Guided, Look, Missing, Need, PlannedScene
-from pix2pred.execution.scene import said
-from pix2pred.execution.wording import in_words
+from pix2pred.execution.explaining.scene import said
+from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import draw_view, skill_crop
 from pix2pred.report.page import asset, environment
 from pix2pred.structs import TRUE, UNKNOWN, Atom, FromVLM, GroundOperator, PlanStatus, State

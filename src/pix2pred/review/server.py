@@ -18,7 +18,7 @@ from pix2pred.predicates import CorrectionsError
 from pix2pred.report import load_contents, render
 from pix2pred.review.log import StaleError
 from pix2pred.review.session import Session
-from pix2pred.run_folder import RunFolder
+from pix2pred.runs.folder import RunFolder
 
 LOOPBACK = "127.0.0.1"
 MAX_BODY = 1 << 20

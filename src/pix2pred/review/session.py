@@ -14,8 +14,8 @@ from pix2pred.predicates.corrections import Row, parse_row
 from pix2pred.report import load_contents, write_report
 from pix2pred.report.page import as_json
 from pix2pred.review.log import CorrectionLog, now
-from pix2pred.run_folder import RunFolder
-from pix2pred.runs import AS_SAID, relearn
+from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.learn import AS_SAID, relearn
 
 _BODY: TypeAdapter[list[dict[str, Any]]] = TypeAdapter(list[dict[str, Any]])
 

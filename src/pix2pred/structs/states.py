@@ -19,8 +19,8 @@ from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
 
 from pix2pred.structs.objects import Object
-from pix2pred.structs.png import pack, png_file, unpack
 from pix2pred.structs.predicates import Atom
+from pix2pred.system.png import pack, png_file, unpack
 
 Pixels = NDArray[np.uint8]
 """An RGB picture, shape (height, width, 3)."""

@@ -19,8 +19,8 @@ import shutil
 import threading
 from pathlib import Path
 
-from pix2pred.structs.files import write_whole
-from pix2pred.vlm.hosted import Draw
+from pix2pred.system.files import write_whole
+from pix2pred.vlm.hosted.client import Draw
 from pix2pred.vlm.request import Answer, NoAnswerError, Request, VLMError
 
 ANSWERED = "answered"

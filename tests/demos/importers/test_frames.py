@@ -10,8 +10,8 @@ import pytest
 from demos.importers.made_data import sidecar
 from demos.photo_files import photo
 from pix2pred.demos import FolderError
+from pix2pred.demos.files.sidecar import read_sidecar
 from pix2pred.demos.importers import drafts_of_frames
-from pix2pred.demos.sidecar import read_sidecar
 
 
 def frames(folder: Path, count: int) -> Path:

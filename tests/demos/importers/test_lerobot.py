@@ -11,9 +11,9 @@ from demos.importers import made_data
 from demos.importers.made_data import shown_frame, sidecar, write_dataset
 from extras import need
 from pix2pred.demos import FolderError
+from pix2pred.demos.files.sidecar import Segment, read_sidecar
 from pix2pred.demos.importers import drafts_of_lerobot, lerobot_meta, parquet
 from pix2pred.demos.importers.lerobot_meta import filled
-from pix2pred.demos.sidecar import Segment, read_sidecar
 
 pytestmark = need("pyarrow", "av", extra="lerobot")
 

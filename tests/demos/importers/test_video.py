@@ -10,11 +10,11 @@ import pytest
 from demos.importers.made_data import shown_frame, sidecar, write_video
 from extras import need
 from pix2pred.demos import FolderError
-from pix2pred.demos.drafts import Draft
+from pix2pred.demos.authoring.drafts import Draft
+from pix2pred.demos.files.sidecar import read_sidecar
 from pix2pred.demos.importers import drafts_of_videos
 from pix2pred.demos.importers import frames_of_video as reader
 from pix2pred.demos.importers.frames_of_video import VideoError, frames_at
-from pix2pred.demos.sidecar import read_sidecar
 
 pytestmark = need("av", extra="video")
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pix2pred.domains.burger.render import LEVEL, render, render_pixels
+from pix2pred.domains.burger.drawing.render import LEVEL, render, render_pixels
 from pix2pred.domains.burger.world import Cell, Heading, Thing, World
 from pix2pred.structs import Box
 

@@ -7,12 +7,12 @@ import pytest
 
 from pix2pred.domains.coffee.classifiers import AboveCup
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
-from pix2pred.domains.coffee.geometry import HOME, TABLE_Z, Point
+from pix2pred.domains.coffee.simulation.geometry import HOME, TABLE_Z, Point
 from pix2pred.domains.coffee.vocabulary import GIVEN, SKILL_OF, make_object
 from pix2pred.domains.coffee.world import Cup, Jug, Robot, World
 from pix2pred.structs import Action
 from pix2pred.structs.environment import Step
-from pix2pred.structs.extras import MissingExtraError
+from pix2pred.system.extras import MissingExtraError
 
 Run = Callable[..., Step]
 
@@ -44,7 +44,7 @@ def run(episode: CoffeeEnvironment) -> Run:
 @pytest.fixture(scope="session")
 def drawing() -> None:
     """Skip without MuJoCo or without OpenGL to draw with; fail where nothing may be skipped."""
-    from pix2pred.domains.coffee.render import render_pixels
+    from pix2pred.domains.coffee.simulation.render import render_pixels
 
     try:
         render_pixels(World(Robot(HOME), Jug(Point(0.65, 1.43, TABLE_Z)), ()))

@@ -8,7 +8,7 @@ import pytest
 
 from pix2pred.domains.coffee.classifiers import AboveCup, true_atoms
 from pix2pred.domains.coffee.environment import HORIZON, CoffeeEnvironment
-from pix2pred.domains.coffee.geometry import CUP_CAPACITIES, FULL_JUG, TABLE_Z, Point
+from pix2pred.domains.coffee.simulation.geometry import CUP_CAPACITIES, FULL_JUG, TABLE_Z, Point
 from pix2pred.domains.coffee.vocabulary import CUP_FILLED, GIVEN, PICK_JUG, POUR, SKILL_OF, make_object
 from pix2pred.domains.coffee.world import Cup, World
 from pix2pred.structs import Action, Skill

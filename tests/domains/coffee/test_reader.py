@@ -18,15 +18,15 @@ import train_reader
 from extras import need
 from pix2pred.domains.coffee import CoffeeDomain
 from pix2pred.domains.coffee.classifiers import objects_of
-from pix2pred.domains.coffee.geometry import FULL_JUG
-from pix2pred.domains.coffee.render import render
+from pix2pred.domains.coffee.simulation.geometry import FULL_JUG
+from pix2pred.domains.coffee.simulation.render import render
 from pix2pred.domains.coffee.vocabulary import SKILLS
 from pix2pred.domains.coffee.world import World
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
-from pix2pred.predicates.label import Step
+from pix2pred.predicates.labelling.labeller import Step
 from pix2pred.structs import Action, Atom, FromVLM, Image, Object, Picture, Predicate, State
-from pix2pred.vlm.reader import OfflineReader
-from pix2pred.vlm.reader_model import WEIGHTS, ReaderModel
+from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
+from pix2pred.vlm.offline.reader import OfflineReader
 
 TEST_SEED = 7003
 READER = CoffeeDomain().reader or Path()

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from extras import need
-from pix2pred.domains.coffee.geometry import CLOSED, FULL_JUG, GRIP, POUR_TILT, Point
-from pix2pred.domains.coffee.render import render, render_pixels
+from pix2pred.domains.coffee.simulation.geometry import CLOSED, FULL_JUG, GRIP, POUR_TILT, Point
+from pix2pred.domains.coffee.simulation.render import render, render_pixels
 from pix2pred.domains.coffee.world import Robot, World
 from pix2pred.structs import Box, Picture
 
@@ -20,7 +20,7 @@ pytestmark = [need("mujoco", extra="sim"), pytest.mark.usefixtures("drawing")]
 
 DIGEST = """
 import hashlib
-from pix2pred.domains.coffee.render import render_pixels
+from pix2pred.domains.coffee.simulation.render import render_pixels
 from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
 print(hashlib.sha256(render_pixels(initial_world(3, scene_generator(0, Split.TASKS, 3, 0))).tobytes()).hexdigest())
 """
@@ -74,7 +74,7 @@ def test_what_something_else_hides_has_no_box(kitchen_table: World) -> None:
 
 
 def test_the_coffee_that_flows_belongs_to_no_object(kitchen_table: World) -> None:
-    from pix2pred.domains.coffee.motion import spout_over
+    from pix2pred.domains.coffee.simulation.motion import spout_over
 
     at = spout_over(kitchen_table.cup("cup1"), 0.045)
     jug = replace(kitchen_table.jug, held=True, at=at - GRIP, level=3.0)

@@ -18,10 +18,10 @@ from pix2pred.domains.kitchen.scenes import turn_on
 from pix2pred.domains.kitchen.vocabulary import OBJECTS
 from pix2pred.domains.kitchen.world import standing_world
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
-from pix2pred.predicates.label import Step
+from pix2pred.predicates.labelling.labeller import Step
 from pix2pred.structs import Atom, FromVLM, Image, Picture, Predicate, State
-from pix2pred.vlm.reader import OfflineReader
-from pix2pred.vlm.reader_model import WEIGHTS, ReaderModel
+from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
+from pix2pred.vlm.offline.reader import OfflineReader
 
 pytestmark = need("mujoco", "gymnasium_robotics", extra="sim")
 

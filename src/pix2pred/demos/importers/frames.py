@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from pix2pred.demos.drafts import Draft
-from pix2pred.demos.photos import MAX_SIDE, Order, PhotoSeries, clean_copies, find_photos
-from pix2pred.demos.problems import FolderError, Problem
-from pix2pred.demos.sidecar import Segment
+from pix2pred.demos.authoring.drafts import Draft
+from pix2pred.demos.authoring.photos import MAX_SIDE, Order, PhotoSeries, clean_copies, find_photos
+from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.sidecar import Segment
 from pix2pred.structs import Image
 
 UNKNOWN = ("Not known from photos: where the objects are (boxes), their features, given atoms of the source human.",)

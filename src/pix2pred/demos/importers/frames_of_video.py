@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.demos.folders import refusal
+from pix2pred.demos.files.folders import refusal
 from pix2pred.structs import Pixels
-from pix2pred.structs.extras import optional
 from pix2pred.structs.states import MAX_PIXELS
+from pix2pred.system.extras import optional
 
 VIDEO_ENDINGS = (".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi")
 MAX_DECODED = 20_000

@@ -17,15 +17,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from pix2pred.demos.drafts import Draft
+from pix2pred.demos.authoring.drafts import Draft
+from pix2pred.demos.authoring.photos import MAX_SIDE, scaled
+from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.sidecar import Segment
 from pix2pred.demos.importers.frames_of_video import frames_at
 from pix2pred.demos.importers.lerobot_meta import DatasetError, Episode, Info, read_episodes, read_info
 from pix2pred.demos.importers.parquet import picture_rows
-from pix2pred.demos.photos import MAX_SIDE, scaled
-from pix2pred.demos.problems import FolderError, Problem
-from pix2pred.demos.sidecar import Segment
 from pix2pred.structs import Image
-from pix2pred.structs.extras import optional
+from pix2pred.system.extras import optional
 
 
 def drafts_of_lerobot(source: Path, segments: Sequence[Segment], *, max_side: int = MAX_SIDE) -> tuple[Draft, ...]:

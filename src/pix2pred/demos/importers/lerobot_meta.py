@@ -12,11 +12,11 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, Field, ValidationError
 
-from pix2pred.demos.folders import entries, is_folder, refusal
+from pix2pred.demos.files.folders import entries, is_folder, refusal
+from pix2pred.demos.files.problems import Problem
+from pix2pred.demos.files.sidecar import demo_name
+from pix2pred.demos.files.yaml_lines import MAX_BYTES
 from pix2pred.demos.importers.parquet import ParquetError, rows
-from pix2pred.demos.problems import Problem
-from pix2pred.demos.sidecar import demo_name
-from pix2pred.demos.yaml_lines import MAX_BYTES
 
 MAX_EPISODES = 1_000_000
 _PREFIX = "observation.images."

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from pix2pred.demos.folders import refusal
+from pix2pred.demos.files.folders import refusal
 from pix2pred.demos.pictures import MAX_BYTES
-from pix2pred.structs.extras import optional
+from pix2pred.system.extras import optional
 
 MAX_ROWS = 10_000_000
 """Frames of one file: four days at 30 a second."""

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pix2pred.demos.drafts import Draft
-from pix2pred.demos.folders import entries, is_folder
+from pix2pred.demos.authoring.drafts import Draft
+from pix2pred.demos.authoring.photos import MAIN, MAX_SIDE, scaled
+from pix2pred.demos.files.folders import entries, is_folder
+from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.sidecar import Segment
 from pix2pred.demos.importers.frames_of_video import VIDEO_ENDINGS, VideoError, frames_at
-from pix2pred.demos.photos import MAIN, MAX_SIDE, scaled
-from pix2pred.demos.problems import FolderError, Problem
-from pix2pred.demos.sidecar import Segment
 from pix2pred.structs import Image
-from pix2pred.structs.extras import optional
+from pix2pred.system.extras import optional
 
 UNKNOWN = "Not known from a video: where the objects are (boxes), their features, given atoms of the source human."
 

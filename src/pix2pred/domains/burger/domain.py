@@ -12,8 +12,7 @@ from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.families import Family, Recipe, Variant, bind_atom, load_families
 from pix2pred.domains.burger.observe import observe
-from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
-from pix2pred.domains.burger.sized import sized_recipe
+from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator, sized_recipe
 from pix2pred.domains.burger.world import World
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import SimulatedTask, SimulatorState

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pix2pred.domains.burger.classifiers import objects_of, true_atoms
-from pix2pred.domains.burger.render import render
+from pix2pred.domains.burger.drawing.render import render
 from pix2pred.domains.burger.world import World
 from pix2pred.structs import Object, Predicate, State
 

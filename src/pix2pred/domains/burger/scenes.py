@@ -1,4 +1,4 @@
-"""Random initial worlds (method 10.2): stations and items in distinct edge cells, robot in the middle."""
+"""Random initial worlds (method 10.2): things in distinct edge cells, robot in the middle; scenes of any size."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from enum import IntEnum
 
 import numpy as np
 
-from pix2pred.domains.burger.families import Scene
+from pix2pred.domains.burger.families import Recipe, Scene
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
+from pix2pred.structs import Application
 
 ROBOT_NAME = "robot"
 
@@ -47,3 +48,24 @@ def initial_world(scene: Scene, rng: np.random.Generator, held_z: int = 1) -> Wo
             support = placed[scene.start[name]]
             placed[name] = replace(support, name=name, type=kind, z=support.z + 1)
     return World(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), look)
+
+
+def sized_recipe(items: int) -> Recipe:
+    """A grill and ``items`` patties and bottom buns, every pair to become an open-face burger.
+
+    An odd patty is left over; a single one is to be put on the grill. When the last thing finds no free cell, the
+    robot holds it. Raises ``ValueError`` when the kitchen is too small.
+    """
+    if not 1 <= items <= len(EDGE_CELLS):
+        raise ValueError(f"the kitchen holds 1 to {len(EDGE_CELLS)} movable things, not {items}")
+    burgers, spare = divmod(items, 2)
+    patties = [f"patty{i}" for i in range(1, burgers + spare + 1)]
+    buns = [f"bottom_bun{i}" for i in range(1, burgers + 1)]
+    things = [("grill", "grill"), *((p, "patty") for p in patties), *((b, "bottom_bun") for b in buns)]
+    goal = tuple(
+        Application("SomewhereAboveAndPrepped", (bun, patty)) for bun, patty in zip(buns, patties, strict=False)
+    )
+    held = patties[-1] if len(things) > len(EDGE_CELLS) else None
+    return Recipe(
+        f"{items}-items", Scene(tuple(sorted(things)), {}, held), goal or (Application("On", ("patty1", "grill")),)
+    )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 
-from pix2pred.domains.coffee.motion import cup_below, pressing
+from pix2pred.domains.coffee.simulation.motion import cup_below, pressing
 from pix2pred.domains.coffee.skills import handle_reachable
 from pix2pred.domains.coffee.vocabulary import make_object
 from pix2pred.domains.coffee.world import World

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pix2pred.domains.coffee.classifiers import AboveCup, holds
-from pix2pred.domains.coffee.motion import advance
 from pix2pred.domains.coffee.observe import features_of, observe
-from pix2pred.domains.coffee.render import render_pixels
+from pix2pred.domains.coffee.simulation.motion import advance
+from pix2pred.domains.coffee.simulation.render import render_pixels
 from pix2pred.domains.coffee.skills import explain, script_for
 from pix2pred.domains.coffee.world import World
 from pix2pred.structs import Action, Application, Atom, Predicate, State

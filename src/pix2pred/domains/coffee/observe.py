@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pix2pred.domains.coffee.classifiers import AboveCup, objects_of, true_atoms
-from pix2pred.domains.coffee.geometry import TABLE_Z
-from pix2pred.domains.coffee.render import render
+from pix2pred.domains.coffee.simulation.geometry import TABLE_Z
+from pix2pred.domains.coffee.simulation.render import render
 from pix2pred.domains.coffee.world import World
 from pix2pred.structs import Object, Predicate, State
 

@@ -14,8 +14,18 @@ from pix2pred.domains.coffee.classifiers import AboveCup
 from pix2pred.domains.coffee.demonstrator import actions_of
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.families import Recipe
-from pix2pred.domains.coffee.geometry import CLOSED, FULL_JUG, GRIP, HIGH, JUG_HEIGHT, LOW, OPEN, POUR_TILT, Point
 from pix2pred.domains.coffee.scenes import JUG_AREA, Split, initial_world, random_place, random_rotation
+from pix2pred.domains.coffee.simulation.geometry import (
+    CLOSED,
+    FULL_JUG,
+    GRIP,
+    HIGH,
+    JUG_HEIGHT,
+    LOW,
+    OPEN,
+    POUR_TILT,
+    Point,
+)
 from pix2pred.domains.coffee.world import Cup, Robot, World
 
 MOST_CUPS = 6

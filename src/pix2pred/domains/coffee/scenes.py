@@ -7,7 +7,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from pix2pred.domains.coffee.geometry import CUP_CAPACITIES, CUP_RADIUS, HOME, TABLE_Z, Point
+from pix2pred.domains.coffee.simulation.geometry import CUP_CAPACITIES, CUP_RADIUS, HOME, TABLE_Z, Point
 from pix2pred.domains.coffee.world import Cup, Jug, Robot, World
 
 CUP_AREA = ((0.61, 1.0), (1.09, 1.27))

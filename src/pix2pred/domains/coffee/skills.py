@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pix2pred.domains.coffee.geometry import (
+from pix2pred.domains.coffee.simulation.geometry import (
     BUTTON,
     CLOSED,
     FULL_JUG,
@@ -25,7 +25,7 @@ from pix2pred.domains.coffee.geometry import (
     TABLE_Z,
     Point,
 )
-from pix2pred.domains.coffee.motion import Primitive, pressing, spout_over
+from pix2pred.domains.coffee.simulation.motion import Primitive, pressing, spout_over
 from pix2pred.domains.coffee.vocabulary import SKILL_OF, TYPE_OF
 from pix2pred.domains.coffee.world import World
 from pix2pred.domains.scripted import check_skill

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
-from pix2pred.domains.coffee.geometry import FULL_JUG
-from pix2pred.domains.coffee.motion import cup_below, pouring_over, pressing
+from pix2pred.domains.coffee.simulation.geometry import FULL_JUG
+from pix2pred.domains.coffee.simulation.motion import cup_below, pouring_over, pressing
 from pix2pred.domains.coffee.skills import handle_reachable
 from pix2pred.domains.coffee.world import World
 

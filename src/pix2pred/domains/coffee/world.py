@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pix2pred.domains.coffee.geometry import (
+from pix2pred.domains.coffee.simulation.geometry import (
     CUP_HEIGHT,
     FULL_JUG,
     GRIP,

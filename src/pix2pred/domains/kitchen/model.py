@@ -11,7 +11,7 @@ from typing import Any
 from pix2pred.domains.kitchen.vocabulary import OBJECT_OF
 from pix2pred.domains.physics import Camera, mujoco_library
 from pix2pred.domains.physics.camera import SIZE
-from pix2pred.structs.extras import MissingExtraError
+from pix2pred.system.extras import MissingExtraError
 
 _SCENE = "envs/assets/kitchen_franka/kitchen_assets/kitchen_env_model.xml"
 

@@ -9,7 +9,7 @@ from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
-from pix2pred.structs.extras import MissingExtraError, optional
+from pix2pred.system.extras import MissingExtraError, optional
 
 _NEEDS = {"egl": "libegl1 libgl1", "osmesa": "libosmesa6", "glfw": "libglfw3 libgl1"}
 _DRAWS_NOTHING = "disabled"

@@ -1,0 +1,187 @@
+"""What a benchmark compares: an approach trains on demonstrations and gives an agent, which solves tasks (method 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from pix2pred.execution import Solver, TruthOf
+from pix2pred.learning.samplers.learn import learn_samplers
+from pix2pred.pipeline import Chooser, Learned, Pool, PoolMaker, Progress, Selected, Settings, climb, learn, silent
+from pix2pred.planning import TaskPlanner
+from pix2pred.predicates import Labeller
+from pix2pred.structs import (
+    FALSE,
+    TRUE,
+    Atom,
+    Demo,
+    Episode,
+    FromVLM,
+    LabelledDemo,
+    Task,
+    TruthTable,
+    Vocabulary,
+    WorldModel,
+)
+from pix2pred.structs.environment import Environment
+from pix2pred.vlm import VLM
+
+TruthInDemo = Callable[[int, int, Atom], bool | None]
+"""The true value of a visual atom in a state of a demonstration (by number); None for words without a truth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Training:
+    """What every approach gets. ``shown_demos`` bounds the demonstrations that a prompt shows (context limits)."""
+
+    vocabulary: Vocabulary
+    demos: Sequence[Demo]
+    vlm: VLM
+    settings: Settings
+    planner: TaskPlanner
+    shown_demos: int | None = None
+
+
+class Agent(Protocol):
+    """Solves tasks after training."""
+
+    @property
+    def plans_with(self) -> ModelAgent | None:
+        """The agent whose world model makes the plans, if there is one: failures are looked into with it."""
+        ...
+
+    @property
+    def summary(self) -> Mapping[str, Any]:
+        """What was learned, in numbers and names, JSON-compatible."""
+        ...
+
+    def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
+        """One task, one try. ``truth`` serves only to name the cause of a failure."""
+        ...
+
+
+class Approach(Protocol):
+    """A way to solve tasks after demonstrations.
+
+    ``needs_model``: the outcome depends on how a model proposes, plans or writes code, so that the offline reader's
+    would say nothing.
+    """
+
+    @property
+    def name(self) -> str:
+        """What suites and rows call it."""
+        ...
+
+    @property
+    def needs_model(self) -> bool:
+        """See above."""
+        ...
+
+    def train(self, training: Training, progress: Progress = silent) -> Agent:
+        """Learn from the demonstrations. Raises what ``pipeline.learn`` raises."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ModelAgent:
+    """Plans with a learned world model."""
+
+    training: Training
+    learned: Learned
+    choose: Chooser
+
+    @property
+    def plans_with(self) -> ModelAgent:
+        """See ``Agent``."""
+        return self
+
+    @property
+    def model(self) -> WorldModel:
+        """The world model."""
+        return self.learned.model
+
+    @property
+    def summary(self) -> Mapping[str, Any]:
+        """See ``Agent``."""
+        table, selection = self.learned.labelling.table, self.learned.selection
+        return {
+            "candidates": len(table.candidates()),
+            "selected": [p.name for p in selection.selected],
+            "visual": sum(isinstance(p.source, FromVLM) for p in selection.selected),
+            "operators": len(selection.operators),
+            "J": [round(step.j, 4) for step in selection.steps],
+            "budget_hits": selection.budget_hits,
+        }
+
+    def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
+        """See ``Agent``; open loop, as the paper does in simulation."""
+        labeller = Labeller(self.training.vlm, self.training.settings.labels)
+        solver = Solver(self.model, self.training.planner, labeller, samplers=self.learned.samplers)
+        return solver.solve(task, environment, truth)
+
+    def relearned(self, truth: TruthInDemo) -> ModelAgent:
+        """What would have been learned if every label with a known truth had been right."""
+        table = self.learned.labelling.table
+        demos = tuple(_corrected(d, demo, truth) for d, demo in enumerate(table.demos))
+        right = TruthTable(table.initial, table.pool, demos)
+        selection = self.choose(right, self.training.settings.learning, silent, ())
+        model = replace(self.model, selected=selection.selected, operators=selection.operators)
+        labelling = replace(self.learned.labelling, table=right)
+        fitter = self.training.settings.samplers.fitter()
+        samplers = learn_samplers(selection.operators, self.training.demos, demos, fitter)
+        learned = Learned(self.learned.proposals, labelling, Selected(model, right, selection), samplers)
+        return replace(self, learned=learned)
+
+
+def _corrected(d: int, demo: LabelledDemo, truth: TruthInDemo) -> LabelledDemo:
+    values = demo.values.copy()
+    for i, atom in enumerate(demo.atoms):
+        if isinstance(atom.predicate.source, FromVLM):
+            for t in range(len(values)):
+                known = truth(d, t, atom)
+                if known is not None:
+                    values[t, i] = TRUE if known else FALSE
+    return replace(demo, values=values)
+
+
+@dataclass(frozen=True, slots=True)
+class Composition:
+    """An approach that is the pipeline with its parts exchanged (method 9)."""
+
+    name: str
+    pool: PoolMaker
+    choose: Chooser = climb
+    needs_model: bool = False
+    adjust: Callable[[Settings], Settings] = lambda settings: settings
+
+    def limited(self, candidates: int, seed: int) -> Composition:
+        """The same approach with that many of its visual candidates, drawn at random; smaller draws are subsets."""
+
+        def pool(
+            vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
+        ) -> Pool:
+            made = self.pool(vocabulary, demos, vlm, settings, progress)
+            visual = [c for c in made.candidates if isinstance(c.predicate.source, FromVLM)]
+            drawn = np.random.default_rng(seed).permutation(len(visual))[:candidates]
+            kept = {visual[i].predicate for i in drawn}
+            rest = tuple(c for c in made.candidates if c.predicate in kept or c not in visual)
+            return Pool(rest, made.proposals)
+
+        return replace(self, pool=pool)
+
+    def train(self, training: Training, progress: Progress = silent) -> ModelAgent:
+        """See ``Approach``."""
+        adjusted = replace(training, settings=self.adjust(training.settings))
+        learned = learn(
+            adjusted.vocabulary,
+            adjusted.demos,
+            adjusted.vlm,
+            adjusted.settings,
+            progress,
+            pool=self.pool,
+            choose=self.choose,
+        )
+        return ModelAgent(adjusted, learned, self.choose)

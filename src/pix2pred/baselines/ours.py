@@ -1,8 +1,0 @@
-"""The full method: visual and feature candidates, hill climbing on J."""
-
-from __future__ import annotations
-
-from pix2pred.approach import Composition
-from pix2pred.pipeline import whole_pool
-
-OURS = Composition("ours", whole_pool)

@@ -1,5 +1,0 @@
-"""Running classifiers that a model wrote: allow-listed syntax, in a process that can do nothing but compute."""
-
-from pix2pred.baselines.sandbox.process import CodeError, Limits, SandboxError, Scene, run_classifier
-
-__all__ = ["CodeError", "Limits", "SandboxError", "Scene", "run_classifier"]

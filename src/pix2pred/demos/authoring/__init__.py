@@ -1,0 +1,1 @@
+"""Making a project: declarations, drafts, photos, the example."""

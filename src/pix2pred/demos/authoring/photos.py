@@ -1,0 +1,202 @@
+"""Photos as a camera leaves them: found in folders, put in order, and copied without what they tell of their maker."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import groupby
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import PIL.Image
+from joblib import Parallel, delayed
+from PIL.ExifTags import IFD, Base
+from PIL.JpegImagePlugin import JpegImageFile
+from PIL.PngImagePlugin import PngImageFile
+
+from pix2pred.demos.files.folders import entries, is_folder, refusal
+from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.sidecar import demo_name
+from pix2pred.demos.pictures import ENDINGS, OTHER_PICTURES, PNG_START, how_to_convert, load_picture
+from pix2pred.structs import Image, PictureError, Pixels
+
+MAIN = "main"
+"""The name of the only camera."""
+
+MAX_SIDE = 2048
+"""Longer pictures are scaled down: no model is shown more."""
+
+_JPEG = {"quality": 95, "subsampling": 0, "optimize": False}
+_TIME = "%Y:%m:%d %H:%M:%S"
+
+Order = Literal["auto", "time", "name"]
+"""By the time in the photo, by file name, or by time where every photo of a demonstration has one."""
+
+
+@dataclass(frozen=True, slots=True)
+class PhotoSeries:
+    """The photos of one demonstration in order, by camera; ``by_time`` says what the order rests on."""
+
+    name: str
+    folder: Path
+    cameras: Mapping[str, tuple[Path, ...]]
+    by_time: bool
+    note: str
+
+    def __len__(self) -> int:
+        return len(next(iter(self.cameras.values())))
+
+
+def find_photos(source: Path, order: Order = "auto") -> tuple[PhotoSeries, ...]:
+    """The series in ``source``: one for each sub-folder, or one when the photos lie in ``source`` itself.
+
+    A sub-folder may hold photos, or a folder of photos for each camera. Raises ``FolderError`` with every problem.
+    """
+    if not is_folder(source):
+        what = "is not a folder" + ("; unpack it first" if source.suffix.lower() in (".zip", ".tar", ".gz") else "")
+        raise FolderError([Problem(source, None, what if source.exists() else "does not exist")])
+    found: list[Problem] = []
+    flat = _photos(source, source, found)
+    folders = [path for path in entries(source, found) if is_folder(path)]
+    series: list[PhotoSeries] = []
+    if flat and any(_photos(f, source, []) for f in folders):
+        message = "holds photos and folders of photos; move the photos into a folder of their own"
+        raise FolderError([Problem(source, None, message)])
+    for folder in [source] if flat else folders:
+        cameras = {MAIN: flat} if flat else _cameras(folder, source, found)
+        if cameras:
+            series.append(_in_order(folder, cameras, order, demo_name(folder.resolve().name, _names(series)), found))
+    if not series and not found:
+        found.append(Problem(source, None, "holds no photo (PNG or JPEG), nor a folder of photos"))
+    if found:
+        raise FolderError(found)
+    return tuple(series)
+
+
+def _names(series: Sequence[PhotoSeries]) -> list[str]:
+    return [s.name for s in series]
+
+
+def _photos(folder: Path, root: Path, found: list[Problem]) -> list[Path]:
+    """The photos in ``folder``; those that cannot be read, by their names, are problems."""
+    photos = []
+    for path in entries(folder, found):
+        ending = path.suffix.lower()
+        if is_folder(path):
+            continue
+        if ending in ENDINGS:
+            if message := refusal(path, root):
+                found.append(Problem(path, None, message.replace("project folder", "folder of photos")))
+            else:
+                photos.append(path)
+        elif ending in OTHER_PICTURES:
+            start = b"....ftyp" if ending in (".heic", ".heif") else b""
+            found.append(Problem(path, None, f"only PNG and JPEG are read; {how_to_convert(start)}"))
+    return photos
+
+
+def _cameras(folder: Path, root: Path, found: list[Problem]) -> dict[str, list[Path]]:
+    """The photos of a demonstration by camera."""
+    if photos := _photos(folder, root, found):
+        return {MAIN: photos}
+    cameras: dict[str, list[Path]] = {}
+    for inner in (path for path in entries(folder, found) if is_folder(path)):
+        if photos := _photos(inner, root, found):
+            cameras[demo_name(inner.name.replace(".", "_"), list(cameras))] = photos
+    if not cameras:
+        found.append(Problem(folder, None, "holds no photo (PNG or JPEG); remove the folder or put photos in"))
+    elif len({len(photos) for photos in cameras.values()}) > 1:
+        counts = ", ".join(f"{name}: {len(photos)}" for name, photos in cameras.items())
+        found.append(Problem(folder, None, f"the cameras have different numbers of photos ({counts})"))
+        return {}
+    return cameras
+
+
+def _in_order(
+    folder: Path, cameras: Mapping[str, list[Path]], order: Order, name: str, found: list[Problem]
+) -> PhotoSeries:
+    photos = [path for paths in cameras.values() for path in paths]
+    if len(next(iter(cameras.values()))) < 2:
+        found.append(Problem(folder, None, "holds one photo; a demonstration needs one before and one after each step"))
+    times = {} if order == "name" else {path: time for path in photos if (time := taken_at(path))}
+    if order == "time":
+        missing = [path for path in photos if path not in times]
+        found += [Problem(path, None, "says no time it was taken; order by name instead") for path in missing]
+    by_time = bool(times) and len(times) == len(photos)
+    note = "in the order of the times they were taken" if by_time else "in the order of their names"
+    if times and not by_time:
+        note += f"; {len(photos) - len(times)} of {len(photos)} say no time they were taken"
+    if not by_time:
+        return PhotoSeries(name, folder, {c: tuple(paths) for c, paths in cameras.items()}, False, note)
+    ordered = {c: tuple(sorted(paths, key=lambda p: times[p])) for c, paths in cameras.items()}  # stable: then by name
+    return PhotoSeries(name, folder, ordered, True, note)
+
+
+def taken_at(path: Path) -> tuple[datetime, str] | None:
+    """When the photo was taken, to the fraction of a second its camera noted; None when it does not say."""
+    try:
+        with path.open("rb") as file:
+            decoder = PngImageFile if file.read(8) == PNG_START else JpegImageFile
+            file.seek(0)
+            with decoder(file) as opened:
+                exif = opened.getexif()
+                noted = exif.get_ifd(IFD.Exif)
+        text = noted.get(Base.DateTimeOriginal) or exif.get(Base.DateTime)
+        return datetime.strptime(str(text).strip("\0 "), _TIME), str(noted.get(Base.SubsecTimeOriginal, ""))
+    except Exception:  # no time, or a damaged file: that is said when its pixels are read
+        return None
+
+
+def clean_copies(series: PhotoSeries, max_side: int, found: list[Problem]) -> Iterator[Mapping[str, Image]]:
+    """The photos of each state by camera: upright, at most ``max_side`` long, without any metadata.
+
+    What cannot be read goes to ``found``, and its state lacks that camera.
+    """
+    work = Parallel(n_jobs=-1, prefer="threads", return_as="generator")  # a few photos ahead of the one asked for
+    places = [(t, camera, paths[t]) for t in range(len(series)) for camera, paths in series.cameras.items()]
+    copies = work(delayed(_clean_copy_or_error)(path, max_side) for _, _, path in places)
+    for _, state in groupby(zip(places, copies, strict=True), key=lambda item: item[0][0]):
+        images: dict[str, Image] = {}
+        for (_, camera, path), copy in state:
+            if isinstance(copy, Image):
+                images[camera] = copy
+            else:
+                found.append(Problem(path, None, str(copy).removeprefix(f"{path}: ")))
+        yield images
+
+
+def _clean_copy_or_error(path: Path, max_side: int) -> Image | PictureError:
+    try:
+        return clean_copy(path, max_side)
+    except PictureError as error:
+        return error
+
+
+def clean_copy(path: Path, max_side: int | None = MAX_SIDE) -> Image:
+    """The pixels of a photo and nothing else: no place, time, owner, thumbnail. Raises ``PictureError``."""
+    pixels = load_picture(path)
+    if max_side is not None:
+        pixels = scaled(pixels, max_side)
+    with path.open("rb") as file:
+        is_png = file.read(len(PNG_START)) == PNG_START
+    return Image.from_pixels(pixels) if is_png else as_jpeg(pixels)
+
+
+def scaled(pixels: Pixels, max_side: int) -> Pixels:
+    """``pixels``, scaled down until no side is longer than ``max_side``."""
+    height, width = pixels.shape[:2]
+    if max(height, width) <= max_side:
+        return pixels
+    scale = max_side / max(height, width)
+    size = max(1, round(width * scale)), max(1, round(height * scale))
+    return np.asarray(PIL.Image.fromarray(pixels).resize(size, PIL.Image.Resampling.LANCZOS), dtype=np.uint8)
+
+
+def as_jpeg(pixels: Pixels) -> Image:
+    """A JPEG of high quality: a tenth of the size of a PNG of the same photo."""
+    buffer = io.BytesIO()
+    PIL.Image.fromarray(pixels).save(buffer, "JPEG", **_JPEG)
+    return Image(buffer.getvalue())

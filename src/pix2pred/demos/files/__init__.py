@@ -1,0 +1,1 @@
+"""The files of a project folder as text: documents, problems by line, schemas."""

@@ -1,0 +1,108 @@
+"""A picture of a world without any text, and the box of every object in it.
+
+Stacked items are shifted up by ``LEVEL`` pixels per level and drawn from the lowest to the highest, so that each shows
+a strip of its lower side. A held item is drawn small in the robot's gripper, above everything else. A box is amodal:
+it covers the whole drawing of the object, also where something hides it, cut at the edge of the picture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import PIL.ImageFilter
+
+from pix2pred.domains.burger.drawing.canvas import UNITS
+from pix2pred.domains.burger.drawing.floor import SIDE, floor
+from pix2pred.domains.burger.drawing.sprites import Sprite, sprite
+from pix2pred.domains.burger.world import Heading, World
+from pix2pred.structs import Box, Image, Picture, Pixels
+
+CAMERA = "top"
+LEVEL = 19
+"""Upward shift per level of a stack, in pixels (0.15 cell)."""
+
+HELD_SCALE = 0.54
+"""Size of a held item's cell; the item itself is then about 0.35 cell wide."""
+
+_REACH = 40
+_AHEAD = {Heading.UP: (0, -1), Heading.LEFT: (-1, 0), Heading.DOWN: (0, 1), Heading.RIGHT: (1, 0)}
+
+
+@dataclass(frozen=True, slots=True)
+class _Placed:
+    name: str
+    sprite: Sprite
+    left: int
+    top: int
+    shadow: bool
+
+    def box(self) -> Box:
+        left, top, right, bottom = self.sprite.box
+        return Box(_clip(self.left + left), _clip(self.top + top), _clip(self.left + right), _clip(self.top + bottom))
+
+
+def _clip(value: int) -> float:
+    return float(max(0, min(SIDE, value)))
+
+
+def render(world: World) -> Picture:
+    """The picture of ``world``, 640x640, with the boxes of all its objects."""
+    placed = _layout(world)
+    boxes = {p.name: p.box() for p in sorted(placed, key=lambda p: p.name)}
+    return Picture(CAMERA, Image.from_pixels(_draw(world, placed)), boxes)
+
+
+def render_pixels(world: World) -> Pixels:
+    """The pixels of the picture alone."""
+    return _draw(world, _layout(world))
+
+
+def _draw(world: World, placed: list[_Placed]) -> Pixels:
+    image = floor(world.look).copy()
+    for p in placed:
+        if p.shadow:
+            image.paste((24, 16, 10), (p.left, p.top), _SHADOW)
+        image.paste(p.sprite.image, (p.left, p.top), p.sprite.image)
+    return np.asarray(image, dtype=np.uint8)
+
+
+def _layout(world: World) -> list[_Placed]:
+    """Everything in drawing order: row by row from the back, each stack upwards, the held item last."""
+    body = sprite("robot", world.robot, world.look, heading=world.heading)
+    entries = [((world.cell.row, 0), _Placed(world.robot, body, world.cell.col * UNITS, world.cell.row * UNITS, True))]
+    for thing in world.things:
+        if thing.name != world.held:
+            drawing = sprite(thing.type, thing.name, world.look, prepared=thing.prepared)
+            top = thing.cell.row * UNITS - _rise(world, thing.cell.row, thing.z)
+            entries.append(
+                ((thing.cell.row, thing.z), _Placed(thing.name, drawing, thing.cell.col * UNITS, top, thing.z == 0))
+            )
+    ordered = [p for _, p in sorted(entries, key=lambda e: (e[0], e[1].name))]
+    return ordered if world.held is None else [*ordered, _in_gripper(world, world.held)]
+
+
+def _rise(world: World, row: int, z: int) -> int:
+    """Pixels that level ``z`` lies higher than the floor; levels beyond the upper edge of the picture pile up there."""
+    return min(z * LEVEL, row * UNITS + UNITS - 52)
+
+
+def _in_gripper(world: World, held: str) -> _Placed:
+    thing = world.thing(held)
+    drawing = sprite(thing.type, thing.name, world.look, prepared=thing.prepared, scale=HELD_SCALE)
+    left, top, right, bottom = drawing.box
+    dx, dy = _AHEAD[world.heading]
+    x = (world.cell.col + 0.5) * UNITS + _REACH * dx
+    y = (world.cell.row + 0.5) * UNITS + _REACH * dy
+    return _Placed(held, drawing, round(x - (left + right) / 2), round(y - (top + bottom) / 2), False)
+
+
+def _make_shadow() -> PIL.Image.Image:
+    mask = PIL.Image.new("L", (UNITS, UNITS + 12), 0)
+    PIL.ImageDraw.Draw(mask).ellipse([14, 92, UNITS - 6, UNITS - 2], 105)
+    return mask.filter(PIL.ImageFilter.GaussianBlur(5))
+
+
+_SHADOW = _make_shadow()

@@ -1,0 +1,1 @@
+"""The coffee corner in MuJoCo: its model, motion and camera."""

@@ -1,0 +1,1 @@
+"""What a plan rests on, why there is none, and which labels were wrong."""

@@ -1,0 +1,105 @@
+"""A plan for a photographed scene, with everything it rests on, or with what stands in the way of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from pix2pred.execution.explaining.missing import Missing, missing
+from pix2pred.execution.explaining.rests import Need, needs
+from pix2pred.execution.solver import Solver
+from pix2pred.predicates import Abstraction, StateLabels
+from pix2pred.predicates.labelling.explanations import explanations
+from pix2pred.predicates.prompt import atom_text
+from pix2pred.structs import UNKNOWN, AbstractState, Atom, FromDomain, FromHuman, PlanResult, PlanStatus, Task
+
+
+@dataclass(frozen=True)
+class PlannedScene:
+    """What was seen of a task's initial state and the plan made from it.
+
+    ``task`` is in the model's words and ``labels`` are its answers; ``abstraction`` goes on from here when somebody
+    executes the plan.
+    """
+
+    solver: Solver
+    task: Task
+    abstraction: Abstraction
+    labels: StateLabels
+    seen: AbstractState
+    result: PlanResult
+
+    @property
+    def solved(self) -> bool:
+        """Whether there is a plan; it may be empty."""
+        return self.result.status == PlanStatus.SOLVED
+
+    @property
+    def actions(self) -> tuple[str, ...]:
+        """The skills of the plan, as ``Pick(robot, cup)``."""
+        return tuple(f"{s.operator.skill.name}({', '.join(o.name for o in s.skill_objects)})" for s in self.result.plan)
+
+    @cached_property
+    def needs(self) -> tuple[tuple[Need, ...], ...]:
+        """What each step needs and where it comes from; the goal comes last. Empty without a plan."""
+        return needs(self.result.plan, self.task.goal) if self.solved else ()
+
+    @cached_property
+    def rests_on(self) -> tuple[Atom, ...]:
+        """The atoms of the initial state that the plan needs."""
+        return tuple(sorted({n.atom for step in self.needs for n in step if n.by is None}))
+
+    @cached_property
+    def unlabelled(self) -> tuple[Atom, ...]:
+        """Atoms that the model called unknown or gave no value; planning took them for false."""
+        return unlabelled(self.labels)
+
+    @cached_property
+    def said(self) -> Mapping[Atom, str]:
+        """The words with which the model explained its labels, where it did."""
+        return said(self.labels)
+
+    @cached_property
+    def missing(self) -> tuple[Missing, ...]:
+        """Without a plan: the goal atoms that cannot be reached, each followed by what it lacks."""
+        if self.result.status != PlanStatus.UNSOLVABLE:
+            return ()
+        return missing(self.solver.model.operators, self.task.objects, self.seen, self.task.goal)
+
+    @cached_property
+    def would_help(self) -> tuple[Atom, ...]:
+        """Without a plan: unlabelled atoms that a plan would rest on if all of them were true; empty if none would."""
+        if self.solved or not self.unlabelled:
+            return ()
+        found = self.solver.plan_from(self.task, self.seen | set(self.unlabelled))
+        if found.status != PlanStatus.SOLVED:
+            return ()
+        used = {n.atom for step in needs(found.plan, self.task.goal) for n in step if n.by is None}
+        return tuple(a for a in self.unlabelled if a in used)
+
+
+def unlabelled(labels: StateLabels) -> tuple[Atom, ...]:
+    """The atoms of ``labels`` without a value, or whose value is unknown, sorted."""
+    without = {text for gap in labels.gaps for text in gap.atoms}
+    return tuple(sorted(a for a, v in labels.values.items() if v == UNKNOWN or atom_text(a) in without))
+
+
+def said(labels: StateLabels) -> dict[Atom, str]:
+    """The words with which a model explained ``labels``, where it did."""
+    texts = {a: atom_text(a) for a in labels.values}
+    words = explanations(labels.text, list(texts.values()))
+    return {a: words[text] for a, text in sorted(texts.items()) if text in words}
+
+
+def plan_scene(solver: Solver, task: Task) -> PlannedScene:
+    """Label the photos of ``task``, and plan. Raises ``UnusableAnswersError`` when the model labels nothing."""
+    task = solver.in_our_words(task)
+    abstraction = solver.abstraction(task)
+    seen = abstraction.start(task.initial)
+    return PlannedScene(solver, task, abstraction, abstraction.labels, seen, solver.plan_from(task, seen))
+
+
+def listed(atoms: Iterable[Atom]) -> frozenset[Atom]:
+    """Those of ``atoms`` that neither a model nor a rule gives a value: a person or a domain lists them."""
+    return frozenset(a for a in atoms if isinstance(a.predicate.source, FromDomain | FromHuman))

@@ -1,0 +1,1 @@
+"""The objective J: planning effort over the demonstrations."""

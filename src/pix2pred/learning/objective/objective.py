@@ -1,0 +1,137 @@
+"""The objective J of a predicate set: planning effort over the demonstrations, plus predicate costs (method 6.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pix2pred.learning.objective.demo_tasks import Scene, ground_task
+from pix2pred.learning.objective.planning_effort import UPPER_BOUND, DemoScore, SkeletonSearch
+from pix2pred.learning.operators.cluster_and_intersect import Schema
+from pix2pred.learning.operators.clustering import Partition
+from pix2pred.learning.operators.learner import OperatorLearner
+from pix2pred.learning.transitions import ObjectIds
+from pix2pred.planning import GroundingBudgetError, Strips
+
+W_PRED = 1e-4
+"""Weight of a predicate's cost in J."""
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """J of a predicate set; a lower bound when ``exact`` is False. ``demos`` holds J_d where it was computed,
+    ``charges`` is the part of J that is neither nodes nor the cost of predicates."""
+
+    total: float
+    charges: float
+    exact: bool
+    demos: tuple[float | None, ...]
+    budget_hits: int
+
+
+@dataclass(slots=True)
+class PartialSum:
+    """J of a predicate set over the demonstrations looked at so far: a lower bound, since no term is negative."""
+
+    predicates: tuple[int, ...]
+    operators: Sequence[Schema]
+    total: float
+    demos: list[float | None]
+    charges: float = 0.0
+    exact: bool = True
+    budget_hits: int = 0
+
+    def add(self, d: int, score: DemoScore) -> None:
+        """Account for demonstration ``d``."""
+        self.total += score.value
+        self.charges += score.charges
+        self.demos[d] = score.value
+        self.exact &= score.exact
+        self.budget_hits += score.budget_hit
+
+    @property
+    def complete(self) -> bool:
+        """Whether every demonstration has been looked at, to the end."""
+        return self.exact and None not in self.demos
+
+    def score(self) -> Score:
+        """The sum as it stands."""
+        return Score(self.total, self.charges, self.complete, tuple(self.demos), self.budget_hits)
+
+
+TaskKey = tuple[Strips | None, int]
+"""A demonstration's task and its number of states: all that J_d depends on."""
+
+Map = Callable[[Callable[..., DemoScore], Sequence[Any]], Iterable[DemoScore]]
+"""Applies a function to every item, in order: ``map``, or the same by many workers."""
+
+OVERSIZED = DemoScore(UPPER_BOUND, budget_hit=True)
+"""What a demonstration costs whose task has too many ground operators."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """J_d of the set that ``part`` belongs to, or a lower bound on it that exceeds ``bound``."""
+
+    part: PartialSum
+    d: int
+    bound: float
+
+
+class Objective:
+    """Scores predicate sets over one data set, remembering what demonstrations with equal tasks cost."""
+
+    def __init__(self, learner: OperatorLearner, search: SkeletonSearch, map_: Map = map) -> None:
+        self._learner = learner
+        self._data = learner.data
+        self._search = search
+        self._map = map_
+        self._scenes: dict[ObjectIds, Scene] = {}
+        self._known: dict[TaskKey, DemoScore] = {}
+        self.searches = 0
+
+    def score(self, chosen: Sequence[int], classes: Partition) -> Score:
+        """J of the initial predicates with ``chosen``, whose transitions are partitioned into ``classes``."""
+        sum_ = self.begin(chosen, classes)
+        demos = range(len(self._data.demos))
+        for d, score in zip(demos, self.score_demos([Request(sum_, d, float("inf")) for d in demos]), strict=True):
+            sum_.add(d, score)
+        return sum_.score()
+
+    def begin(self, chosen: Sequence[int], classes: Partition) -> PartialSum:
+        """J of a set before any demonstration is looked at: the cost of its predicates."""
+        predicates = (*range(self._data.initial), *chosen)
+        operators = self._learner.schemas(classes, predicates)
+        cost = W_PRED * sum(self._data.cost(p) for p in chosen)
+        return PartialSum(predicates, operators, cost, [None] * len(self._data.demos))
+
+    def score_demos(self, requests: Sequence[Request]) -> list[DemoScore]:
+        """J_d for every request. Searches that are the same are made once, for the largest bound."""
+        keys = [self._key(r.part, r.d) for r in requests]
+        wanted: dict[TaskKey, float] = {}
+        for key, request in zip(keys, requests, strict=True):
+            known = self._known.get(key) if key else OVERSIZED
+            if key and (known is None or (not known.exact and known.value <= request.bound)):
+                wanted[key] = max(request.bound, wanted.get(key, 0.0))
+        searches = [(self._search, *key, bound) for key, bound in wanted.items()]
+        self._known.update(zip(wanted, self._map(_search, searches), strict=True))
+        self.searches += len(searches)
+        return [self._known[key] if key else OVERSIZED for key in keys]
+
+    def _key(self, part: PartialSum, d: int) -> TaskKey | None:
+        """What J_d depends on; ``None`` when the task is too large to write down."""
+        demo = self._data.demos[d]
+        scene = self._scenes.get(demo.objects)
+        if scene is None:
+            scene = self._scenes[demo.objects] = Scene(self._data, demo.objects)
+        try:
+            task = ground_task(self._data, scene, d, part.operators, part.predicates)
+        except GroundingBudgetError:
+            return None
+        return task, demo.states
+
+
+def _search(request: tuple[SkeletonSearch, Strips | None, int, float]) -> DemoScore:
+    search, task, states, bound = request
+    return search(task, states, bound)

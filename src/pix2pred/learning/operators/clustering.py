@@ -1,0 +1,300 @@
+"""Partitioning transitions by effect, up to renaming objects (method 5.1-5.3).
+
+Unification is an equivalence relation, so joining the first class that unifies gives the equivalence classes, in order
+of their first member. A class of a larger predicate set is part of a class of a smaller one: adding a predicate only
+re-partitions the classes in which that predicate changes (engine, item 7).
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain, product
+
+from pix2pred.learning.transitions import Data, ObjectIds
+from pix2pred.structs import Type
+
+Lifted = tuple[int, tuple[int, ...]]
+"""(predicate, variable numbers)."""
+
+Effect = tuple[int, bool, ObjectIds]
+"""(predicate, added rather than deleted, objects)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A transition of a class and the objects its variables stand for."""
+
+    transition: int
+    objects: ObjectIds
+
+
+@dataclass(slots=True)
+class Memo:
+    """What follows from a class's members alone: the variable of each object, and by predicate what holds before each
+    member and in how many. What a ``whole`` of which these ``members`` are a part knows is taken from there."""
+
+    variables: list[dict[int, int]] = field(default_factory=list)
+    held: dict[int, list[list[tuple[int, ...]]]] = field(default_factory=dict)
+    before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+    whole: Memo | None = None
+    members: Sequence[int] = ()
+
+    def of(self, members: Sequence[int]) -> Memo:
+        """The same for some of the members, the variables unchanged."""
+        return Memo([self.variables[i] for i in members] if self.variables else [], whole=self, members=members)
+
+    def held_before(self, predicate: int) -> list[list[tuple[int, ...]]] | None:
+        """What holds before each member, if it is known."""
+        if predicate not in self.held and self.whole is not None:
+            known = self.whole.held_before(predicate)
+            if known is not None:
+                self.held[predicate] = [known[i] for i in self.members]
+        return self.held.get(predicate)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TransitionClass:
+    """Transitions of one skill with the same effects up to renaming; variable i has type ``types[i]``."""
+
+    skill: int
+    types: tuple[Type, ...]
+    skill_args: tuple[int, ...]
+    add: tuple[Lifted, ...]
+    delete: tuple[Lifted, ...]
+    members: tuple[Member, ...]
+    memo: Memo = field(default_factory=Memo)
+
+    @property
+    def first(self) -> int:
+        """The first transition: classes are ordered by it."""
+        return self.members[0].transition
+
+    def variables(self) -> list[dict[int, int]]:
+        """For every member, the variable that an object is bound to."""
+        if not self.memo.variables:
+            self.memo.variables = [{o: v for v, o in enumerate(member.objects)} for member in self.members]
+        return self.memo.variables
+
+    def counts_before(self, data: Data, predicate: int) -> dict[tuple[int, ...], int]:
+        """In how many members each atom of ``predicate`` over the variables holds before the skill."""
+        before = self.memo.before
+        if predicate not in before:
+            counts = Counter(chain.from_iterable(self.held_before(data, predicate)))
+            before[predicate] = dict(sorted(counts.items()))
+        return before[predicate]
+
+    def held_before(self, data: Data, predicate: int) -> list[list[tuple[int, ...]]]:
+        """For every member, the atoms of ``predicate`` over the variables that hold before the skill."""
+        known = self.memo.held_before(predicate)
+        if known is None:
+            known = self.memo.held[predicate] = list(self._lifted_before(data, predicate))
+        return known
+
+    def _lifted_before(self, data: Data, predicate: int) -> Iterator[list[tuple[int, ...]]]:
+        wanted = data.predicates[predicate].types
+        atoms = list(product(*([v for v, t in enumerate(self.types) if t.is_a(w)] for w in wanted)))
+        for member, variable in zip(self.members, self.variables(), strict=True):
+            true = data.before(member.transition, predicate) if atoms else ()
+            if len(true) <= len(atoms):
+                found = [tuple([variable.get(o, -1) for o in args]) for args in true]
+                yield [lifted for lifted in found if -1 not in lifted]
+            else:
+                objects = member.objects
+                yield [lifted for lifted in atoms if tuple([objects[v] for v in lifted]) in true]
+
+
+Partition = tuple[TransitionClass, ...]
+"""Classes ordered by first transition; class i becomes operator ``Op<i>``."""
+
+
+def partition(data: Data, predicates: Sequence[int]) -> Partition:
+    """Partition all transitions over ``predicates``."""
+    return _cluster(data, predicates, range(len(data.transitions)))
+
+
+def refine(data: Data, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
+    """``partition(data, [*predicates, added])``, given the partition over ``predicates``.
+
+    Classes in which ``added`` never changes are kept as they are, identity included.
+    """
+    changing = data.changing(added)
+    wider = (*predicates, added)
+    refined: list[TransitionClass] = []
+    for cls in classes:
+        members = [m.transition for m in cls.members]
+        if changing.isdisjoint(members):
+            refined.append(cls)
+        else:
+            refined.extend(_split(data, cls, added) or _cluster(data, wider, members))
+    return tuple(sorted(refined, key=lambda c: c.first))
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """What a predicate does in a transition: ``outside`` are the types of objects that the class has no variable for,
+    numbered after its variables; ``add`` and ``delete`` are argument tuples in these numbers."""
+
+    outside: tuple[Type, ...]
+    add: frozenset[tuple[int, ...]]
+    delete: frozenset[tuple[int, ...]]
+
+
+UNCHANGED = _Change((), frozenset(), frozenset())
+
+
+def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
+    """The parts of ``cls`` by what ``added`` does to its variables and to other objects.
+
+    ``None`` where that does not settle it, because a member's binding is one of several: when several variables of one
+    type are bound by effects alone, or several other objects of one type change.
+    """
+    free = [t for v, t in enumerate(cls.types) if v not in cls.skill_args]
+    if len(set(free)) < len(free):
+        return None
+    changing = data.changing(added)
+    parts: dict[_Change, list[tuple[int, Member]]] = {}
+    for i, (member, variable) in enumerate(zip(cls.members, cls.variables(), strict=True)):
+        if member.transition not in changing:
+            parts.setdefault(UNCHANGED, []).append((i, member))
+            continue
+        changes = data.effects(added, member.transition)
+        others = {o for extension in changes for args in extension for o in args} - variable.keys()
+        if others:
+            ordered = tuple(sorted(others, key=lambda o: data.objects[o].type.name))
+            variable = variable | {o: len(cls.types) + i for i, o in enumerate(ordered)}
+            member = Member(member.transition, member.objects + ordered)
+        kinds = data.types(member.objects[len(cls.types) :])
+        if len(set(kinds)) < len(kinds):
+            return None
+        plus, minus = (frozenset([tuple([variable[o] for o in args]) for args in e]) for e in changes)
+        parts.setdefault(_Change(kinds, plus, minus), []).append((i, member))
+    if len(parts) == 1:
+        (change,) = parts
+        if not change.outside:
+            return (
+                replace(
+                    cls,
+                    add=cls.add + tuple((added, v) for v in sorted(change.add)),
+                    delete=cls.delete + tuple((added, v) for v in sorted(change.delete)),
+                ),
+            )
+    return tuple(_part(cls, members, added, change) for change, members in parts.items())
+
+
+def _part(cls: TransitionClass, numbered: Sequence[tuple[int, Member]], added: int, change: _Change) -> TransitionClass:
+    """The class of some members alone, its variables in the order of the first member's object names."""
+    members = [member for _, member in numbered]
+    types = cls.types + change.outside
+    order = sorted(range(len(types)), key=members[0].objects.__getitem__)
+    new = {old: v for v, old in enumerate(order)}
+
+    def renumbered(lifted: Iterable[Lifted], more: Iterable[tuple[int, ...]]) -> tuple[Lifted, ...]:
+        return tuple(sorted((p, tuple(new[v] for v in args)) for p, args in (*lifted, *((added, m) for m in more))))
+
+    if order == list(range(len(cls.types))):
+        add, delete = renumbered(cls.add, change.add), renumbered(cls.delete, change.delete)
+        memo = cls.memo.of([i for i, _ in numbered])
+        return replace(cls, add=add, delete=delete, members=tuple(members), memo=memo)
+    return TransitionClass(
+        cls.skill,
+        tuple(types[old] for old in order),
+        tuple(new[v] for v in cls.skill_args),
+        renumbered(cls.add, change.add),
+        renumbered(cls.delete, change.delete),
+        tuple(Member(m.transition, tuple([m.objects[old] for old in order])) for m in members),
+    )
+
+
+def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) -> Partition:
+    buckets: dict[tuple[object, ...], list[list[Member]]] = defaultdict(list)
+    effects = {t: _effects(data, predicates, t) for t in transitions}
+    for t in transitions:
+        groups = buckets[_invariant(data, t, effects[t])]
+        for group in groups:
+            objects = _unify(data, group[0], effects[group[0].transition], t, effects[t])
+            if objects is not None:
+                group.append(Member(t, objects))
+                break
+        else:
+            involved = {o for _, _, objects in effects[t] for o in objects} | {*data.transitions[t].args}
+            groups.append([Member(t, tuple(sorted(involved)))])
+    classes = [_lift(data, members, effects) for groups in buckets.values() for members in groups]
+    return tuple(sorted(classes, key=lambda c: c.first))
+
+
+def _effects(data: Data, predicates: Sequence[int], t: int) -> list[Effect]:
+    found: list[Effect] = []
+    for p in predicates:
+        added, deleted = data.effects(p, t)
+        if added:
+            found += [(p, True, objects) for objects in added]
+        if deleted:
+            found += [(p, False, objects) for objects in deleted]
+    found.sort()
+    return found
+
+
+def _invariant(data: Data, t: int, effects: Sequence[Effect]) -> tuple[object, ...]:
+    """Equal for transitions that unify: arguments by position, other objects by type only."""
+    tr = data.transitions[t]
+    position: dict[int, object] = {}
+    for i, o in enumerate(tr.args):
+        position.setdefault(o, i)
+    others = sorted({o for _, _, objects in effects for o in objects} - position.keys())
+    for o in others:
+        position[o] = data.objects[o].type.name
+    shape = sorted((p, added, tuple(str(position[o]) for o in objects)) for p, added, objects in effects)
+    return (
+        tr.skill,
+        tuple(position[o] for o in tr.args),
+        tuple(t.name for t in data.types(tr.args)),
+        tuple(sorted(data.objects[o].type.name for o in others)),
+        tuple(shape),
+    )
+
+
+def _unify(data: Data, first: Member, a: Sequence[Effect], t: int, b: Sequence[Effect]) -> ObjectIds | None:
+    """What the variables of ``first`` stand for in transition ``t``: the first bijection in sorted order, if any."""
+    target = set(b)
+    mapping = dict(zip(data.transitions[first.transition].args, data.transitions[t].args, strict=True))
+    free = [o for o in first.objects if o not in mapping]
+    rest = sorted({o for _, _, objects in b for o in objects} - set(mapping.values()))
+    if len(free) != len(rest):
+        return None
+    for extended in _assignments(data, mapping, free, rest, a, target):
+        return tuple(extended[o] for o in first.objects)
+    return None
+
+
+def _assignments(
+    data: Data, mapping: dict[int, int], free: list[int], rest: list[int], a: Sequence[Effect], target: set[Effect]
+) -> Iterator[dict[int, int]]:
+    """Extend ``mapping`` over ``free`` onto ``rest``, types kept, every fully mapped effect found in ``target``."""
+    for p, added, objects in a:
+        if all(o in mapping for o in objects) and (p, added, tuple(mapping[o] for o in objects)) not in target:
+            return
+    if not free:
+        yield mapping
+        return
+    head, *tail = free
+    for o in rest:
+        if data.objects[o].type == data.objects[head].type:
+            others = [r for r in rest if r != o]
+            yield from _assignments(data, {**mapping, head: o}, tail, others, a, target)
+
+
+def _lift(data: Data, members: Sequence[Member], effects: dict[int, list[Effect]]) -> TransitionClass:
+    first = members[0]
+    number = {o: i for i, o in enumerate(first.objects)}
+    lifted = [(p, added, tuple(number[o] for o in objects)) for p, added, objects in effects[first.transition]]
+    tr = data.transitions[first.transition]
+    return TransitionClass(
+        tr.skill,
+        data.types(first.objects),
+        tuple(number[o] for o in tr.args),
+        tuple((p, v) for p, added, v in lifted if added),
+        tuple((p, v) for p, added, v in lifted if not added),
+        tuple(members),
+    )

@@ -1,0 +1,137 @@
+"""Where an atom stands in a transition: about which of the transition's variables it is.
+
+What a skill does is learned per place. Places are made of the variables of a transition's class: the arguments of its
+skill and the objects of its given effects. A skill may also change an object that neither mentions: turning the machine
+on fills the jug. Such an object, a bystander, can be named where a demonstration has only one of its type.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pix2pred.learning.operators.clustering import Partition
+from pix2pred.learning.transitions import Data, ObjectIds
+from pix2pred.structs import Type
+
+LEAST_CHANGES = 4
+"""Transitions of a class in which a predicate's labels show the same change of a bystander before it counts as seen."""
+
+LEAST_SHARE = 0.8
+"""The same, as a share of the class's transitions."""
+
+Place = tuple[int, tuple[int, ...]]
+"""(class, variables)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bystanders:
+    """Types of which every demonstration has exactly one object, and these objects by demonstration."""
+
+    types: tuple[Type, ...]
+    objects: tuple[ObjectIds, ...]
+
+    @classmethod
+    def of(cls, data: Data) -> Self:
+        """Those of all demonstrations."""
+        counts = [Counter(data.types(demo.objects)) for demo in data.demos]
+        known = {t for count in counts for t in count}
+        types = tuple(sorted((t for t in known if all(c[t] == 1 for c in counts)), key=lambda t: t.name))
+        places = [{data.objects[o].type: o for o in demo.objects} for demo in data.demos]
+        return cls(types, tuple(tuple(by_type[t] for t in types) for by_type in places))
+
+
+class Places:
+    """Numbers for what a transition may do to an atom: 0 nothing (no transition), 1 not among the transition's
+    variables, and from 2 on one for every (class, variables).
+
+    Variable ``n + i`` of a class with ``n`` variables is the ``i``-th bystander. An atom about one has a place of its
+    own only for a predicate whose labels show a change there nearly every time.
+    """
+
+    OUTSIDE = 1
+
+    def __init__(self, data: Data, classes: Partition, bystanders: Bystanders, noisy: Sequence[int]) -> None:
+        self._data = data
+        self.keys: list[Place] = [(-1, ()), (-1, ())]
+        self._numbers: dict[Place, int] = {}
+        self._classes = classes
+        self._bound: list[list[tuple[int, dict[int, int]]]] = [[] for _ in data.demos]
+        member_of = {m.transition: (c, m) for c, cls in enumerate(classes) for m in cls.members}
+        for t, tr in enumerate(data.transitions):
+            c, member = member_of[t]
+            beside = {o: len(member.objects) + i for i, o in enumerate(bystanders.objects[tr.demo])}
+            self._bound[tr.demo].append((c, beside | {o: v for v, o in enumerate(member.objects)}))
+        self._rows: dict[tuple[int, ObjectIds, int], list[int]] = {}
+        self._touched: dict[tuple[int, object], set[ObjectIds]] = {}
+        seen = {p: self._seen_to_change(p) for p in noisy} if bystanders.types else {}
+        self._seen = {p: places for p, places in seen.items() if places}
+
+    def touched(self, demo: int, predicate: int) -> set[ObjectIds]:
+        """Argument tuples of ``predicate`` that some transition of the demonstration has among its variables."""
+        types = self._data.predicates[predicate].types
+        key = (demo, types)
+        if key not in self._touched:
+            found: set[ObjectIds] = set()
+            for c, number in self._bound[demo]:
+                own = [o for o, v in number.items() if not self._beside(c, v)]
+                domains = [[o for o in own if self._data.objects[o].type.is_a(t)] for t in types]
+                found.update(args for args in product(*domains) if len(set(args)) == len(args))
+            self._touched[key] = found
+        return self._touched[key]
+
+    def row(self, demo: int, args: ObjectIds, predicate: int) -> list[int]:
+        """The place of an atom in every transition of a demonstration."""
+        beside = self._seen.get(predicate, set())
+        key = (demo, args, predicate if beside else -1)
+        if key not in self._rows:
+            self._rows[key] = [self._place(c, number, args, beside) for c, number in self._bound[demo]]
+        return self._rows[key]
+
+    def kin(self) -> NDArray[np.int64]:
+        """A number per place, equal for places that are the same arguments of the same skill, whatever the class."""
+        groups: dict[object, int] = {}
+        result = []
+        for place, (c, variables) in enumerate(self.keys):
+            args = self._classes[c].skill_args if c >= 0 else ()
+            shared = c >= 0 and all(v in args for v in variables)
+            key: object = (self._classes[c].skill, *(args.index(v) for v in variables)) if shared else (place,)
+            result.append(groups.setdefault(("skill", key) if shared else key, len(groups)))
+        return np.array(result, dtype=np.int64)
+
+    def _place(self, c: int, number: dict[int, int], args: ObjectIds, beside: set[Place]) -> int:
+        if not all(o in number for o in args):
+            return self.OUTSIDE
+        key = (c, tuple(number[o] for o in args))
+        if any(self._beside(c, v) for v in key[1]) and key not in beside:
+            return self.OUTSIDE
+        if key not in self._numbers:
+            self._numbers[key] = len(self.keys)
+            self.keys.append(key)
+        return self._numbers[key]
+
+    def _beside(self, c: int, variable: int) -> bool:
+        return variable >= len(self._classes[c].types)
+
+    def _seen_to_change(self, predicate: int) -> set[Place]:
+        """Places about bystanders where the labels of a predicate change in the same way nearly every time."""
+        bound = [(number, c) for of_demo in self._bound for c, number in of_demo]  # in order of transitions
+        changes: Counter[tuple[Place, bool]] = Counter()
+        for t in self._data.changing(predicate):
+            number, c = bound[t]
+            for added, extension in zip((True, False), self._data.effects(predicate, t), strict=True):
+                for args in extension:
+                    variables = tuple(number.get(o, -1) for o in args)
+                    if -1 not in variables and any(self._beside(c, v) for v in variables):
+                        changes[(c, variables), added] += 1
+        return {
+            place
+            for (place, _), count in changes.items()
+            if count >= max(LEAST_CHANGES, LEAST_SHARE * len(self._classes[place[0]].members))
+        }

@@ -1,0 +1,1 @@
+"""Continuous parameters of skills."""

@@ -1,0 +1,1 @@
+"""Planners of others, run out of process."""

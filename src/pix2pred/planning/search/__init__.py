@@ -1,0 +1,1 @@
+"""Searches over ground tasks, one a file."""

@@ -1,0 +1,76 @@
+"""A* with a closed set and re-opening (Hart, Nilsson and Raphael, 1968); optimal with an admissible heuristic."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from pix2pred.planning.heuristics.lmcut import LMCut
+from pix2pred.planning.planner import SearchResult
+from pix2pred.planning.strips import Strips
+from pix2pred.structs import PlanStatus
+
+
+class Heuristic(Protocol):
+    """Estimate of the distance from a state to the goal; ``None`` for a dead end."""
+
+    def __call__(self, state: int) -> int | None:
+        """The estimate for ``state``."""
+        ...
+
+    def after(self, parent: int, k: int, state: int) -> int | None:
+        """The estimate for ``state``, reached from ``parent``, which was estimated before, by operator ``k``."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class AStar:
+    """Shortest plans. Among equal f the deepest node is expanded first, then the oldest.
+
+    ``heuristic`` builds the estimate for a task; ``max_nodes`` bounds the created nodes.
+    """
+
+    heuristic: Callable[[Strips], Heuristic] = LMCut
+    max_nodes: int = 1_000_000
+
+    def __call__(self, task: Strips) -> SearchResult:
+        """Search ``task``; the plan is optimal when the heuristic is admissible."""
+        estimate = self.heuristic(task)
+        h = estimate(task.initial)
+        if h is None:
+            return SearchResult(PlanStatus.UNSOLVABLE, (), 1)
+        best = {task.initial: 0}
+        parent: dict[int, tuple[int, int]] = {}
+        queue = [(h, h, 0, 0, task.initial)]
+        nodes = 1
+        while queue:
+            _, _, _, g, state = heapq.heappop(queue)
+            if g > best[state]:
+                continue
+            if not task.goal & ~state:
+                return SearchResult(PlanStatus.SOLVED, extract_plan(task.initial, state, parent), nodes)
+            for k in task.applicable(state):
+                successor = task.successor(state, k)
+                if best.get(successor, g + 2) <= g + 1:
+                    continue
+                h = estimate.after(state, k, successor)
+                if h is None:
+                    continue
+                best[successor] = g + 1
+                parent[successor] = (state, k)
+                if nodes >= self.max_nodes:
+                    return SearchResult(PlanStatus.BUDGET, (), nodes)
+                heapq.heappush(queue, (g + 1 + h, h, nodes, g + 1, successor))
+                nodes += 1
+        return SearchResult(PlanStatus.UNSOLVABLE, (), nodes)
+
+
+def extract_plan(initial: int, state: int, parent: dict[int, tuple[int, int]]) -> tuple[int, ...]:
+    """Operator numbers along the parent links from ``initial`` to ``state``."""
+    plan = []
+    while state != initial:
+        state, k = parent[state]
+        plan.append(k)
+    return tuple(reversed(plan))

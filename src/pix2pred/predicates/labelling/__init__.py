@@ -1,0 +1,1 @@
+"""Truth values of atoms from a model's answers."""

@@ -1,0 +1,187 @@
+"""Asking about atoms until each has a value (method 3.6): repetitions, splits, votes, confidence, and what is left.
+
+An answer that leaves atoms out is followed by a query about those alone; one cut short by its token budget is thrown
+away and its atoms are asked about in two halves. What still has no value is named with its reason.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
+
+from joblib import Parallel, delayed
+
+from pix2pred.predicates.labelling.confidence import probability
+from pix2pred.predicates.labelling.parse_labels import ParsedLabels, parse_labels
+from pix2pred.predicates.labelling.settings import LabelSettings
+from pix2pred.predicates.labelling.structured import as_text, schema
+from pix2pred.predicates.prompt import atom_text
+from pix2pred.structs import Atom
+from pix2pred.vlm import VLM, Answer, Finish, NoAnswerError, Request, Review
+from pix2pred.vlm.request import Part
+
+READ = "answers read"
+"""Key of the count of answers that gave at least one value."""
+
+TOKENS_PER_ATOM = 64
+TOKENS_OF_REASONING = 1024
+_MORE = 4
+"""How much larger the budget of a single atom grows when it was too small."""
+
+Question = Callable[[Sequence[Atom]], tuple[Part, ...]]
+"""Text and pictures of a query about some atoms."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """Atoms that got no value, and why."""
+
+    about: str
+    purpose: str
+    atoms: tuple[str, ...]
+    reason: str
+
+
+@dataclass(slots=True)
+class Asked:
+    """What came of asking: values, their probabilities where known, the usable answers, counts, reasons of gaps.
+
+    ``useless`` is the last answer from which nothing could be read.
+    """
+
+    values: dict[Atom, int] = field(default_factory=dict)
+    confidence: dict[Atom, float] = field(default_factory=dict)
+    texts: list[str] = field(default_factory=list)
+    counts: Counter[str] = field(default_factory=Counter)
+    reasons: dict[Atom, str] = field(default_factory=dict)
+    useless: str = ""
+
+    def merge(self, other: Asked) -> None:
+        """Add what ``other`` brought; atoms that now have a value lose their reason."""
+        self.values |= other.values
+        self.confidence |= other.confidence
+        self.texts += other.texts
+        self.counts += other.counts
+        self.useless = other.useless or self.useless
+        self.reasons = {a: r for a, r in (self.reasons | other.reasons).items() if a not in self.values}
+
+
+@dataclass(frozen=True, slots=True)
+class Asker:
+    """Asks one question about a list of atoms. ``about`` names demonstration and state."""
+
+    vlm: VLM
+    settings: LabelSettings
+    purpose: str
+    question: Question
+    about: str
+
+    def ask(self, atoms: Sequence[Atom]) -> Asked:
+        """The values of ``atoms``: of one answer, or what the majority of ``votes`` samples says."""
+        if not atoms:
+            return Asked()
+        if self.settings.votes == 1:
+            return self._sample(atoms, 0)
+        work = Parallel(n_jobs=self.settings.votes, prefer="threads")
+        return _majority(work(delayed(self._sample)(atoms, n) for n in range(self.settings.votes)))
+
+    def _sample(self, atoms: Sequence[Atom], sample: int) -> Asked:
+        asked, pending = Asked(), list(atoms)
+        for attempt in range(self.settings.attempts):
+            asked.merge(self._query(pending, sample, attempt))
+            pending = [a for a in pending if a not in asked.values]
+            if not pending or asked.counts["unanswered"]:  # asking again was tried already
+                break
+        return asked
+
+    def _query(self, atoms: Sequence[Atom], sample: int, attempt: int, budget: int = 1) -> Asked:
+        """One query, or several when the answer does not fit its budget."""
+        texts = {a: atom_text(a) for a in atoms}
+        request = self._request(atoms, list(dict.fromkeys(texts.values())), sample, attempt, budget)
+        try:
+            answer = self.vlm.answer(request)
+        except NoAnswerError as error:
+            return Asked(counts=Counter(["unanswered"]), reasons=dict.fromkeys(atoms, f"no answer: {error}"))
+        if answer.finish in (Finish.CUT_SHORT, Finish.TOO_LARGE):
+            return self._smaller(atoms, sample, attempt, budget)
+        if answer.finish == Finish.REFUSED:
+            counts = Counter(["refused", "unusable answers"])
+            return Asked(counts=counts, reasons=dict.fromkeys(atoms, "refused"), useless=answer.text)
+        return self._read(answer, texts)
+
+    def _smaller(self, atoms: Sequence[Atom], sample: int, attempt: int, budget: int) -> Asked:
+        asked = Asked(counts=Counter(["cut short"]))
+        if len(atoms) > 1:
+            middle = len(atoms) // 2
+            asked.merge(self._query(atoms[:middle], sample, attempt, budget))
+            asked.merge(self._query(atoms[middle:], sample, attempt, budget))
+        elif budget == 1:
+            asked.merge(self._query(atoms, sample, attempt, _MORE))
+        else:
+            asked.merge(Asked(counts=Counter(["unusable answers"]), reasons=dict.fromkeys(atoms, "always cut short")))
+        return asked
+
+    def _read(self, answer: Answer, texts: dict[Atom, str]) -> Asked:
+        text = as_text(answer.text) if self.settings.structured else answer.text
+        parsed = parse_labels(text, list(dict.fromkeys(texts.values())))
+        values = {a: parsed.values[t] for a, t in texts.items() if t in parsed.values}
+        counts = Counter({"other words": parsed.other_words, "unasked": parsed.unasked})
+        counts[READ if values else "unusable answers"] += 1
+        tokens = answer.tokens if text == answer.text else ()
+        sure = {a: probability(tokens, parsed.places[texts[a]], value) for a, value in values.items()} if tokens else {}
+        return Asked(
+            values,
+            {a: p for a, p in sure.items() if p is not None},
+            [text] if values else [],
+            +counts,
+            {a: "the answers hold no value for it" for a in texts if a not in values},
+            "" if values else answer.text,
+        )
+
+    def _request(self, atoms: Sequence[Atom], texts: list[str], sample: int, attempt: int, budget: int) -> Request:
+        settings = self.settings
+        return Request(
+            self.purpose,
+            self.question(atoms),
+            (TOKENS_OF_REASONING + TOKENS_PER_ATOM * len(texts)) * budget,
+            temperature=settings.sampling_temperature,
+            sample=sample,
+            attempt=attempt,
+            schema=schema(texts) if settings.structured else "",
+            logprobs=settings.logprobs,
+            about=self.about,
+            review=lambda answer: _review(as_text(answer) if settings.structured else answer, texts),
+        )
+
+    def gaps(self, asked: Asked) -> tuple[Gap, ...]:
+        """The atoms left without a value, grouped by reason."""
+        reasons: dict[str, list[str]] = {}
+        for atom, reason in asked.reasons.items():
+            reasons.setdefault(reason, []).append(atom_text(atom))
+        return tuple(Gap(self.about, self.purpose, tuple(sorted(t)), r) for r, t in sorted(reasons.items()))
+
+
+def _review(answer: str, texts: Sequence[str]) -> Review | None:
+    parsed: ParsedLabels = parse_labels(answer, texts)
+    if not parsed.missing:
+        return None
+    listed = "\n".join(f"* {text}: VALUE" for text in parsed.missing)
+    problem = f"No value (True, False or Unknown) could be read for {len(parsed.missing)} of {len(texts)} predicates:"
+    return Review(f"{problem}\n\n{listed}", bool(parsed.values))
+
+
+def _majority(samples: Sequence[Asked]) -> Asked:
+    """What most samples say, atom by atom; the earliest decides a tie. Confidence is the share of all samples."""
+    total = Asked(counts=sum((s.counts for s in samples), Counter[str]()))
+    for atom in dict.fromkeys(chain.from_iterable([*s.values, *s.reasons] for s in samples)):
+        votes = Counter(s.values[atom] for s in samples if atom in s.values)
+        if votes:
+            total.values[atom], count = votes.most_common(1)[0]
+            total.confidence[atom] = count / len(samples)
+        else:
+            total.reasons[atom] = next(s.reasons[atom] for s in samples if atom in s.reasons)
+    agreeing = [sum(s.values.get(a) == v for a, v in total.values.items()) for s in samples]
+    best = samples[agreeing.index(max(agreeing))]
+    return replace(total, texts=best.texts, useless="" if total.values else best.useless)

@@ -1,0 +1,102 @@
+"""From demonstrations and a pool of predicates to the truth table (method 3.7)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from pix2pred.predicates.initial import is_asked, local_values
+from pix2pred.predicates.labelling.asking import READ, Gap
+from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, UnusableAnswersError
+from pix2pred.structs import (
+    Atom,
+    Candidate,
+    Demo,
+    LabelledDemo,
+    Object,
+    Predicate,
+    TruthTable,
+    groundings,
+)
+
+Progress = Callable[[int, int, str], None]
+"""Called with (demonstrations done, demonstrations, name of the one just finished)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Labelling:
+    """The truth table, the answers it was read from, counts of what could not be used, and atoms without a value."""
+
+    table: TruthTable
+    answers: tuple[tuple[StateLabels, ...], ...]
+    counts: Counter[str]
+    gaps: tuple[Gap, ...] = ()
+
+
+def label_demos(
+    demos: Sequence[Demo],
+    initial: Sequence[Predicate],
+    pool: Sequence[Candidate],
+    labeller: Labeller,
+    *,
+    jobs: int = 4,
+    progress: Progress = lambda done, total, name: None,
+) -> Labelling:
+    """Label every atom of ``initial`` and ``pool`` in every state; demonstrations in parallel, states in order."""
+    predicates = (*initial, *(c.predicate for c in pool))
+    work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
+    labelled: list[LabelledDemo] = []
+    answers: list[tuple[StateLabels, ...]] = []
+    for demo, (one, texts) in zip(
+        demos, work(delayed(_label_demo)(demo, predicates, labeller) for demo in demos), strict=True
+    ):
+        labelled.append(one)
+        answers.append(texts)
+        progress(len(labelled), len(demos), demo.name)
+    states = [s for texts in answers for s in texts]
+    counts = sum((s.counts for s in states), Counter[str]())
+    gaps = tuple(gap for s in states for gap in s.gaps)
+    if gaps and not counts[READ]:
+        raise UnusableAnswersError.after(labeller.vlm.name, states)
+    return Labelling(TruthTable(tuple(initial), tuple(pool), tuple(labelled)), tuple(answers), counts, gaps)
+
+
+def _label_demo(
+    demo: Demo, predicates: Iterable[Predicate], labeller: Labeller
+) -> tuple[LabelledDemo, tuple[StateLabels, ...]]:
+    atoms = ground_atoms(predicates, demo.objects)
+    asked = [a for a in atoms if is_asked(a)]
+    answers = labeller.demo(demo, asked) if asked else ()
+    values = np.zeros((len(demo.states), len(atoms)), dtype=np.int8)
+    confidence = np.full(values.shape, np.nan, dtype=np.float32)
+    for i, atom in enumerate(atoms):
+        if is_asked(atom):
+            values[:, i] = [labels.values[atom] for labels in answers]
+            confidence[:, i] = [labels.confidence.get(atom, np.nan) for labels in answers]
+        else:
+            values[:, i] = local_values(atom, demo.states, demo.actions)
+    known = confidence if np.isfinite(confidence).any() else None
+    return LabelledDemo(demo.name, demo.objects, demo.actions, demo.goal, atoms, values, known), answers
+
+
+def goal_warnings(demos: Iterable[LabelledDemo]) -> list[str]:
+    """Demonstrations whose labels say that the goal does not hold at the end, or held before (method 1.4)."""
+    warnings = []
+    for demo in demos:
+        states = demo.abstract_states()
+        missing = sorted(set(demo.goal) - states[-1])
+        early = next((t for t, state in enumerate(states[:-1]) if state.issuperset(demo.goal)), None)
+        if missing:
+            warnings.append(f"{demo.name}: goal atom {missing[0]} does not hold in the last state")
+        elif early is not None:
+            warnings.append(f"{demo.name}: the goal holds already in state {early}")
+    return warnings
+
+
+def ground_atoms(predicates: Iterable[Predicate], objects: Sequence[Object]) -> tuple[Atom, ...]:
+    """All type-consistent atoms over distinct objects (switch ``distinct_args`` of method 1.5 on), sorted."""
+    return tuple(sorted(Atom(p, args) for p in predicates for args in groundings(p.types, objects, distinct=True)))

@@ -1,0 +1,1 @@
+"""Candidate predicates from a model's proposals."""

@@ -1,0 +1,277 @@
+"""Labelled demonstrations as one JSON file, plain or gzipped: symbols in, no pictures needed (format pix2pred-traces).
+
+Errors name the JSON path and the offending value.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, ValidationError
+
+from pix2pred.structs import (
+    FALSE,
+    TRUE,
+    UNKNOWN,
+    Action,
+    Atom,
+    Candidate,
+    LabelledDemo,
+    Object,
+    Predicate,
+    TruthTable,
+    Vocabulary,
+)
+from pix2pred.structs.formats.documents import (
+    Document,
+    Name,
+    Names,
+    ObjectDoc,
+    PredicateDoc,
+    SkillDoc,
+    TypeDoc,
+    build_predicate,
+    build_skill,
+    build_types,
+    predicate_doc,
+    skill_doc,
+    type_doc,
+)
+
+MAX_BYTES = 1 << 30
+"""Larger files, unpacked, are refused."""
+
+
+class TracesError(ValueError):
+    """A file that does not follow the traces format; the message names the JSON path."""
+
+
+class TracePredicateDoc(PredicateDoc):
+    """A predicate, whether it is given or a candidate, and its cost (default: its arity)."""
+
+    kind: Literal["given", "candidate"]
+    cost: float | None = Field(None, ge=0)
+
+
+class TraceDemoDoc(Document):
+    """One demonstration; atoms and actions are lists of a name and object names."""
+
+    name: Name | None = None
+    objects: dict[str, Name]
+    goal: tuple[tuple[str, ...], ...]
+    actions: tuple[tuple[str, ...], ...]
+    states: tuple[tuple[tuple[str, ...], ...], ...]
+    unknown: tuple[tuple[tuple[str, ...], ...], ...] | None = None
+    confidence: tuple[tuple[tuple[tuple[str, ...], Annotated[float, Field(ge=0, le=1)]], ...], ...] | None = None
+    """Per state, atoms with the probability of their label, where one is known."""
+
+
+class TracesDoc(Document):
+    """The whole file."""
+
+    format: Literal["pix2pred-traces"]
+    version: Literal[1]
+    types: tuple[TypeDoc, ...]
+    skills: tuple[SkillDoc, ...]
+    predicates: tuple[TracePredicateDoc, ...]
+    demos: tuple[TraceDemoDoc, ...]
+    settings: dict[str, Any] = Field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Traces:
+    """A truth table with the vocabulary it is written in and the settings the file asks for."""
+
+    vocabulary: Vocabulary
+    table: TruthTable
+    settings: Mapping[str, Any]
+
+
+def load_traces(path: Path) -> Traces:
+    """Read a traces file. Raises ``TracesError``."""
+    try:
+        document = TracesDoc.model_validate(_read_json(path))
+    except ValidationError as error:
+        first = error.errors()[0]
+        found = "" if first["type"] == "missing" else f", found {json.dumps(first['input'], default=str)[:80]}"
+        raise TracesError(f"{path}: {_json_path(first['loc'])}: {first['msg']}{found}") from error
+    return _Builder(path, document).build()
+
+
+def _read_json(path: Path) -> object:
+    try:
+        raw = path.read_bytes()
+        if raw[:2] == b"\x1f\x8b":
+            with gzip.open(path) as stream:
+                raw = stream.read(MAX_BYTES + 1)
+        if len(raw) > MAX_BYTES:
+            raise TracesError(f"{path}: more than {MAX_BYTES} bytes")
+        return json.loads(raw)
+    except TracesError:
+        raise
+    except (OSError, EOFError, ValueError, RecursionError, zlib.error) as error:
+        raise TracesError(f"{path}: cannot be read as JSON ({error})") from error
+
+
+def _json_path(parts: Sequence[str | int]) -> str:
+    return "$" + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parts)
+
+
+class _Builder:
+    def __init__(self, path: Path, document: TracesDoc) -> None:
+        self._path = path
+        self._doc = document
+
+    def build(self) -> Traces:
+        """Everything in the document, names resolved."""
+        types = self._at("$.types", build_types, self._doc.types)
+        table = {t.name: t for t in types}
+        skills = tuple(self._at(f"$.skills[{i}]", build_skill, s, table) for i, s in enumerate(self._doc.skills))
+        predicates = tuple(
+            self._at(f"$.predicates[{i}]", build_predicate, p, table) for i, p in enumerate(self._doc.predicates)
+        )
+        self._refuse_repeats("skills", [s.name for s in skills])
+        self._refuse_repeats("predicates", [p.name for p in predicates])
+        self._names = Names(types, skills, predicates)
+        pairs = list(zip(self._doc.predicates, predicates, strict=True))
+        initial = tuple(p for doc, p in pairs if doc.kind == "given")
+        pool = tuple(
+            Candidate(p, float(p.arity if doc.cost is None else doc.cost))
+            for doc, p in pairs
+            if doc.kind == "candidate"
+        )
+        demos = tuple(self._demo(d, doc, initial) for d, doc in enumerate(self._doc.demos))
+        self._refuse_repeats("demos", [demo.name for demo in demos])
+        if any(demo.name == "domain" for demo in demos):
+            raise TracesError(f"{self._path}: $.demos: no demonstration may be called 'domain', as PDDL domains are")
+        if not demos:
+            raise TracesError(f"{self._path}: $.demos: is empty; at least one demonstration is needed")
+        vocabulary = Vocabulary("traces", types, skills, initial)
+        return Traces(vocabulary, TruthTable(initial, pool, demos), self._doc.settings)
+
+    def _at(self, where: str, make: Any, *args: Any) -> Any:
+        try:
+            return make(*args)
+        except ValueError as error:
+            raise TracesError(f"{self._path}: {where}: {error}") from error
+
+    def _refuse_repeats(self, what: str, names: Sequence[str]) -> None:
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                raise TracesError(f"{self._path}: $.{what}[{i}].name: {name!r} is declared twice")
+
+    def _demo(self, d: int, doc: TraceDemoDoc, initial: tuple[Predicate, ...]) -> LabelledDemo:
+        here = f"$.demos[{d}]"
+        objects = {
+            name: self._at(f"{here}.objects.{name}", self._names.object, name, ObjectDoc(type=type_name))
+            for name, type_name in doc.objects.items()
+        }
+        if len(doc.states) != len(doc.actions) + 1:
+            raise TracesError(
+                f"{self._path}: {here}.states: {len(doc.actions)} actions need {len(doc.actions) + 1} states, "
+                f"found {len(doc.states)}"
+            )
+        if doc.unknown is not None and len(doc.unknown) != len(doc.states):
+            raise TracesError(f"{self._path}: {here}.unknown: must have one entry per state")
+        if doc.confidence is not None and len(doc.confidence) != len(doc.states):
+            raise TracesError(f"{self._path}: {here}.confidence: must have one entry per state")
+        actions = tuple(self._action(f"{here}.actions[{i}]", parts, objects) for i, parts in enumerate(doc.actions))
+        goal = tuple(self._atom(f"{here}.goal[{i}]", parts, objects) for i, parts in enumerate(doc.goal))
+        for i, atom in enumerate(goal):
+            if atom.predicate not in initial:
+                raise TracesError(f"{self._path}: {here}.goal[{i}]: {atom} is not over a given predicate")
+        held = self._listed(f"{here}.states", doc.states, objects)
+        unknown = self._listed(f"{here}.unknown", doc.unknown or ((),) * len(doc.states), objects)
+        sure = [
+            {self._atom(f"{here}.confidence[{t}][{i}]", parts, objects): p for i, (parts, p) in enumerate(state)}
+            for t, state in enumerate(doc.confidence or ())
+        ]
+        atoms = tuple(sorted(set().union(*held, *unknown, *sure)))
+        column = {a: i for i, a in enumerate(atoms)}
+        values = np.full((len(held), len(atoms)), FALSE, dtype=np.int8)
+        for t in range(len(held)):
+            values[t, [column[a] for a in held[t]]] = TRUE
+            values[t, [column[a] for a in unknown[t]]] = UNKNOWN
+        confidence = np.full(values.shape, np.nan, dtype=np.float32)
+        for t, state in enumerate(sure):
+            confidence[t, [column[a] for a in state]] = list(state.values())
+        name = doc.name or f"demo-{d}"
+        return LabelledDemo(
+            name,
+            tuple(sorted(objects.values())),
+            actions,
+            tuple(sorted(goal)),
+            atoms,
+            values,
+            confidence if sure else None,
+        )  # fmt: skip
+
+    def _listed(
+        self, where: str, states: Sequence[Sequence[Sequence[str]]], objects: Mapping[str, Object]
+    ) -> list[set[Atom]]:
+        return [
+            {self._atom(f"{where}[{t}][{i}]", parts, objects) for i, parts in enumerate(state)}
+            for t, state in enumerate(states)
+        ]
+
+    def _atom(self, where: str, parts: Sequence[str], objects: Mapping[str, Object]) -> Atom:
+        if not parts:
+            raise TracesError(f"{self._path}: {where}: an atom is a list of a predicate and objects, found []")
+        atom: Atom = self._at(where, self._names.atom, parts[0], parts[1:], objects)
+        return atom
+
+    def _action(self, where: str, parts: Sequence[str], objects: Mapping[str, Object]) -> Action:
+        if not parts:
+            raise TracesError(f"{self._path}: {where}: an action is a list of a skill and objects, found []")
+        skill = self._at(where, self._names.skill, parts[0])
+        action: Action = self._at(where, self._names.action, parts[0], parts[1:], skill.low, objects)
+        return action
+
+
+def dump_traces(vocabulary: Vocabulary, table: TruthTable, settings: Mapping[str, Any]) -> str:
+    """The JSON text of a truth table; reads back with ``load_traces``."""
+    costs = {c.predicate: c.cost for c in table.pool}
+    predicates = [predicate_doc(p) | {"kind": "given"} for p in table.initial]
+    predicates += [predicate_doc(c.predicate) | {"kind": "candidate", "cost": costs[c.predicate]} for c in table.pool]
+    document = {
+        "format": "pix2pred-traces",
+        "version": 1,
+        "types": [type_doc(t) for t in vocabulary.types],
+        "skills": [skill_doc(s) for s in vocabulary.skills],
+        "predicates": predicates,
+        "settings": dict(settings),
+    }
+    demos = ",\n".join(json.dumps(_demo_doc(demo)) for demo in table.demos)
+    return json.dumps(document, indent=1)[:-2] + f',\n "demos": [\n{demos}\n ]\n}}\n'
+
+
+def _demo_doc(demo: LabelledDemo) -> dict[str, Any]:
+    def rows(value: int) -> list[list[list[str]]]:
+        return [[_parts(demo.atoms[i]) for i in np.flatnonzero(row == value)] for row in demo.values]
+
+    doc: dict[str, Any] = {
+        "name": demo.name,
+        "objects": {o.name: o.type.name for o in demo.objects},
+        "goal": [_parts(a) for a in demo.goal],
+        "actions": [[a.skill.name, *(o.name for o in a.objects)] for a in demo.actions],
+        "states": rows(TRUE),
+    }
+    if (demo.values == UNKNOWN).any():
+        doc["unknown"] = rows(UNKNOWN)
+    if demo.confidence is not None:
+        doc["confidence"] = [
+            [[_parts(demo.atoms[i]), round(float(row[i]), 4)] for i in np.flatnonzero(np.isfinite(row))]
+            for row in demo.confidence
+        ]
+    return doc
+
+
+def _parts(atom: Atom) -> list[str]:
+    return [atom.predicate.name, *(o.name for o in atom.objects)]

@@ -1,0 +1,1 @@
+"""What lies below everything: files that appear whole, optional packages, parallel work, packing of pictures."""

@@ -1,0 +1,1 @@
+"""The store of answers, and models that answer from it."""

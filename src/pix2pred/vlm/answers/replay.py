@@ -1,0 +1,44 @@
+"""``replay:DIR``: the model whose answers a folder holds, without the model."""
+
+from __future__ import annotations
+
+import json
+
+from pix2pred.vlm.answers.store import AnswerStore
+from pix2pred.vlm.request import Answer, Request, VLMError
+
+
+class AbsentVLM:
+    """A model known by name alone: for stores that are replayed."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def answer(self, request: Request) -> Answer:
+        """Never answers. Raises ``VLMError``."""
+        raise VLMError(f"{self.name}: is replayed and cannot be asked")
+
+
+def stored_models(store: AnswerStore) -> list[str]:
+    """The models whose answers are in the store, sorted. Raises ``VLMError`` for a damaged file."""
+    models = set()
+    for key in store.all_keys():
+        path = store.path(key)
+        try:
+            models.add(str(json.loads(path.read_text(encoding="utf-8"))["request"]["model"]))
+        except (ValueError, KeyError, TypeError) as error:
+            raise VLMError(f"{path}: damaged answer ({error}); see 'pix2pred answers verify'") from error
+    return sorted(models)
+
+
+def replayed(store: AnswerStore) -> AbsentVLM:
+    """The one model of the store. Raises ``VLMError`` when there is none, or more than one."""
+    models = stored_models(store)
+    if not models:
+        raise VLMError(f"{store.directory}: holds no answers to replay")
+    if len(models) > 1:
+        raise VLMError(
+            f"{store.directory}: holds answers of {', '.join(models)}; say which one with "
+            f"--vlm MODEL --answers {store.directory} --mode replay"
+        )
+    return AbsentVLM(models[0])

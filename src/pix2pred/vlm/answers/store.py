@@ -1,0 +1,140 @@
+"""The answer store: every answer as a plain JSON file under its key, so that none is ever paid for twice.
+
+``answers/ab/<sha256>.json`` holds question and answer, ``blobs/<sha256>.png`` each picture once, clean. Folders merge
+by copying. Files are written under another name and renamed, so a file that exists is complete. No key, header,
+address or path of the machine is written.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pix2pred.structs import Image
+from pix2pred.structs.views import View
+from pix2pred.system.files import write_whole
+from pix2pred.vlm.request import Answer, Finish, Request, Spent, Token, VLMError
+
+VERSION = 1
+
+
+class AnswerStore:
+    """A folder of answers."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+
+    def check(self) -> None:
+        """Raise ``VLMError`` when the folder cannot be one, before anything is paid for."""
+        for folder in (self.directory, self.directory / "answers", self.directory / "blobs"):
+            if folder.exists() and not folder.is_dir():
+                raise VLMError(f"{folder}: is a file, not a folder of answers")
+
+    def check_writable(self) -> None:
+        """Raise ``VLMError`` when nothing can be written into the folder."""
+        probe = self.directory / "answers" / ".writable"
+        try:
+            write_whole(probe, b"")
+            probe.unlink(missing_ok=True)
+        except OSError as error:
+            raise VLMError(
+                f"{self.directory}: answers cannot be stored here ({error.strerror}); nothing was asked, because an "
+                "answer that cannot be stored is lost. Name another folder with --answers"
+            ) from error
+
+    def get(self, key: str) -> Answer | None:
+        """The stored answer. Raises ``VLMError`` for a damaged file."""
+        path = self.path(key)
+        try:
+            return read_entry(json.loads(path.read_text(encoding="utf-8")))
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise VLMError(f"{path}: cannot be read ({error.strerror})") from error
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            raise VLMError(f"{path}: damaged answer ({error}); delete the file to ask again") from error
+
+    def put(self, request: Request, model: str, answer: Answer) -> None:
+        """Store an answer and the pictures of its question. Raises ``VLMError`` when that fails."""
+        try:
+            for view in request.views:
+                self._put_picture(view)
+            entry = write_entry(request, model, answer)
+            write_whole(self.path(request.key(model)), json.dumps(entry, indent=1).encode())
+        except OSError as error:
+            raise VLMError(
+                f"{error.filename or self.directory}: an answer could not be stored ({error.strerror}); answers stored "
+                "before are safe. Make room or name another folder with --answers, then run the same command again"
+            ) from error
+
+    def all_keys(self) -> list[str]:
+        """The keys of all answers, sorted."""
+        return sorted(p.stem for p in (self.directory / "answers").glob("??/*.json") if not p.name.startswith("."))
+
+    def blob(self, digest: str) -> Path:
+        """Where the picture with this digest of its pixels lies."""
+        return self.directory / "blobs" / f"{digest}.png"
+
+    def _put_picture(self, view: View) -> None:
+        path = self.blob(view.picture.image.digest)
+        if path.exists():
+            return
+        encoded = view.picture.image.encoded
+        if not _is_bare_png(encoded):
+            encoded = Image.from_pixels(view.picture.image.pixels()).encoded
+        write_whole(path, encoded)
+
+    def path(self, key: str) -> Path:
+        """Where the answer with this key lies."""
+        return self.directory / "answers" / key[:2] / f"{key}.json"
+
+
+def _is_bare_png(encoded: bytes) -> bool:
+    """Whether a file is a PNG of 8-bit RGB that holds the picture alone: no text, date or place."""
+    if not encoded.startswith(b"\x89PNG\r\n\x1a\n") or encoded[24:29] != b"\x08\x02\x00\x00\x00":
+        return False
+    place, kinds = 8, []
+    while place + 12 <= len(encoded):
+        kinds.append(encoded[place + 4 : place + 8])
+        place += 12 + int.from_bytes(encoded[place : place + 4])
+    return place == len(encoded) and set(kinds) == {b"IHDR", b"IDAT", b"IEND"} and kinds[-1] == b"IEND"
+
+
+def write_entry(request: Request, model: str, answer: Answer) -> dict[str, Any]:
+    """The JSON document of an answer. What an offline model leaves empty is left out."""
+    entry: dict[str, Any] = {
+        "version": VERSION,
+        "purpose": request.purpose,
+        "request": request.canonical(model),
+        "answer": answer.text,
+    }
+    if answer.finish != Finish.COMPLETE:
+        entry["finish"] = answer.finish.value
+    spent = answer.spent
+    if spent.input_tokens or spent.output_tokens:
+        entry["tokens"] = [spent.input_tokens, spent.output_tokens]
+    if spent.dollars is not None:
+        entry["dollars"] = spent.dollars
+    if answer.tokens:
+        entry["logprobs"] = [[t.text, *([text, round(p, 5)] for text, p in t.logprobs)] for t in answer.tokens]
+    return entry
+
+
+def read_entry(entry: Any) -> Answer:
+    """The answer in a JSON document. Raises ``ValueError``, ``TypeError``, ``KeyError`` or ``AttributeError``."""
+    if entry["version"] != VERSION or not isinstance(entry["answer"], str):
+        raise ValueError(f"is not a stored answer of version {VERSION}")
+    given, taken = entry.get("tokens", (0, 0))
+    tokens = tuple(
+        Token(str(text), tuple((str(t), float(p)) for t, p in alternatives))
+        for text, *alternatives in entry.get("logprobs", ())
+    )
+    dollars = entry.get("dollars")
+    return Answer(
+        entry["answer"],
+        stored=True,
+        finish=Finish(entry.get("finish", Finish.COMPLETE)),
+        tokens=tokens,
+        spent=Spent(int(given), int(taken), None if dollars is None else float(dollars)),
+    )

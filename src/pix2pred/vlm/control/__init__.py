@@ -1,0 +1,1 @@
+"""What a run may ask, spend and wait for, and what it has spent."""

@@ -1,0 +1,108 @@
+"""What a run would ask: every request is made as it would be, and none is sent.
+
+Proposals that are in the answer store are taken from there. In place of the others stands an assumed proposal, and
+in place of every labelling answer one with a line for each atom, so that histories have a realistic length.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from pix2pred.vlm.answers.stored import StoredVLM
+from pix2pred.vlm.hosted.picture_tokens import picture_tokens
+from pix2pred.vlm.hosted.pricing import dollars
+from pix2pred.vlm.offline.prompt_format import asked_atoms, label_answer, object_types, value_line
+from pix2pred.vlm.request import Answer, Request, VLMError
+
+CHARACTERS_PER_TOKEN = 4
+ASSUMED_WORDS = 8
+"""Predicates assumed per type and argument place where no proposal is stored."""
+_WHY = "It looks as it did before; nothing that happened to it changes this."
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Counts of one purpose."""
+
+    queries: int
+    from_store: int
+    pictures: int
+    atoms: int
+    input_tokens: int
+    output_tokens: int
+    dollars: float | None
+
+
+class EstimatingVLM:
+    """Answers without asking and counts what would have been sent."""
+
+    def __init__(self, stored: StoredVLM, provider: str, model: str) -> None:
+        self.name = stored.name
+        self.assumed = False
+        self._stored = stored
+        self._provider = provider
+        self._model = model
+        self._counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
+        self._lock = threading.Lock()
+
+    def answer(self, request: Request) -> Answer:
+        """The stored answer, or an assumed one."""
+        try:
+            answer = self._stored.answer(request)
+        except VLMError:
+            answer = Answer(self._assumed_proposal(request) if request.purpose == "propose" else _labels(request))
+        with self._lock:
+            count = self._counts[request.purpose]
+            count["queries"] += 1
+            count["from_store"] += answer.stored
+            if not answer.stored:
+                count["pictures"] += len(request.views)
+                count["atoms"] += sum(1 for _ in asked_atoms(request.text)) if request.purpose != "propose" else 0
+                seen = sum(picture_tokens(self._provider, *view.shown_size) for view in request.views)
+                count["input"] += len(request.text) // CHARACTERS_PER_TOKEN + seen
+                count["output"] += len(answer.text) // CHARACTERS_PER_TOKEN
+        return answer
+
+    def estimates(self) -> dict[str, Estimate]:
+        """Counts per purpose, sorted."""
+        return {purpose: self._estimate(count) for purpose, count in sorted(self._counts.items())}
+
+    def as_dict(self) -> dict[str, Any]:
+        """JSON-compatible counts and their sum."""
+        rows = self.estimates()
+        prices = [e.dollars for e in rows.values()]
+        fields = ("queries", "from_store", "pictures", "atoms", "input_tokens", "output_tokens")
+        return {
+            "model": self.name,
+            "assumed_predicates": self.assumed,
+            "stages": {p: {f: getattr(e, f) for f in (*fields, "dollars")} for p, e in rows.items()},
+            **{f: sum(getattr(e, f) for e in rows.values()) for f in fields},
+            "dollars": None if any(p is None for p in prices) else round(sum(p or 0.0 for p in prices), 4),
+        }
+
+    def _estimate(self, count: Counter[str]) -> Estimate:
+        price = dollars(self._provider, self._model, count["input"], count["output"]) if self._provider else None
+        return Estimate(
+            count["queries"], count["from_store"], count["pictures"], count["atoms"],
+            count["input"], count["output"], price,
+        )  # fmt: skip
+
+    def _assumed_proposal(self, request: Request) -> str:
+        """``ASSUMED_WORDS`` unary predicates of every type, and as many binary ones of neighbouring types."""
+        self.assumed = True
+        first: dict[str, str] = {}
+        for name, kind in object_types(request.text).items():
+            first.setdefault(kind, name)
+        names = list(first.values())
+        unary = [f"assumed_{i}({name})" for name in names for i in range(ASSUMED_WORDS)]
+        pairs = list(pairwise(names))
+        return "\n".join(unary + [f"assumed_{i}({a}, {b})" for a, b in pairs for i in range(ASSUMED_WORDS // 2)])
+
+
+def _labels(request: Request) -> str:
+    lines = [value_line(atom, False, _WHY) for atom in asked_atoms(request.text)]
+    return label_answer(request.text, lines)

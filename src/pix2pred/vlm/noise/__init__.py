@@ -1,0 +1,1 @@
+"""Models that err on purpose, for tests and studies alone."""

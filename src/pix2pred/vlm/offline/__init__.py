@@ -1,0 +1,1 @@
+"""The reader that is trained on a domain's pictures and asks nobody."""

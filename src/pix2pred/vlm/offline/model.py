@@ -1,0 +1,168 @@
+"""The offline reader's data: a word list and small classifiers, stored as YAML and plain arrays.
+
+A concept is read by a projection of each argument's crops onto principal components of its type, followed by a
+two-layer network per concept and type signature. Nothing here is executed from the files, and nothing is unpickled.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from pydantic import Field
+
+from pix2pred.structs.formats.documents import Document
+from pix2pred.vlm.offline.pixels import MEASURES, Scene, Vector
+
+Array = NDArray[np.float32]
+
+WORDS, WEIGHTS = "words.yaml", "weights.npz"
+"""The files of a reader's folder."""
+
+
+class WordDoc(Document):
+    """A word the reader knows. Either it reads a ``concept`` (or its negation) with a trained classifier, or it is a
+    distractor that compares a ``measure`` with a threshold."""
+
+    word: str
+    types: tuple[tuple[str, ...], ...] = Field(description="argument type signatures; names of kinds stand for all")
+    concept: str | None = None
+    negated: bool = False
+    measure: str | None = None
+    above: float = 0.0
+
+
+class WordListDoc(Document):
+    """The file ``words.yaml``."""
+
+    format: Literal["pix2pred-reader"]
+    version: Literal[1]
+    sure: float = Field(0.6, ge=0.5, lt=1, description="below this probability the answer is Unknown")
+    kinds: dict[str, tuple[str, ...]] = Field(default_factory=dict, description="names for several types")
+    words: tuple[WordDoc, ...]
+
+    def uses(self) -> list[tuple[WordDoc, tuple[str, ...]]]:
+        """Every word with every signature of plain types it applies to."""
+        return [
+            (word, types)
+            for word in self.words
+            for signature in word.types
+            for types in product(*(self.kinds.get(t, (t,)) for t in signature))
+        ]
+
+
+def load_words(directory: Path) -> WordListDoc:
+    """The word list in a reader's folder."""
+    return WordListDoc.model_validate(yaml.safe_load((directory / WORDS).read_text(encoding="utf-8")))
+
+
+@dataclass(frozen=True, slots=True)
+class Projection:
+    """Principal components of a type's crops."""
+
+    mean: Array
+    components: Array
+
+    def __call__(self, crops: Vector) -> Vector:
+        """The codes of one object, or of a batch of them."""
+        return ((crops - self.mean) @ self.components.T).astype(np.float32)
+
+
+@dataclass(frozen=True, slots=True)
+class Classifier:
+    """One hidden layer with ReLU, one logistic output; inputs are standardised first."""
+
+    mean: Array
+    scale: Array
+    w1: Array
+    b1: Array
+    w2: Array
+    b2: Array
+
+    def probability(self, inputs: Vector) -> float:
+        """How likely the concept is true."""
+        hidden = np.maximum((inputs - self.mean) / self.scale @ self.w1 + self.b1, 0)
+        return float(1 / (1 + np.exp(-np.clip(hidden @ self.w2 + self.b2, -30, 30)).item()))
+
+
+def inputs(scene: Scene, projections: Mapping[str, Projection], names: Sequence[str], types: Sequence[str]) -> Vector:
+    """What a classifier sees of objects that all have usable crops."""
+    parts = []
+    for name, type_name in zip(names, types, strict=True):
+        crops = scene.crops(name)
+        assert crops is not None, f"{name} has no crops"
+        parts += [projections[type_name](crops), scene.surroundings(name)]
+    if len(names) == 2:
+        parts.append(scene.relation(*names))
+    return np.concatenate(parts)
+
+
+class ReaderModel:
+    """Word list, projections and classifiers of one domain."""
+
+    def __init__(
+        self,
+        words: WordListDoc,
+        projections: Mapping[str, Projection],
+        classifiers: Mapping[tuple[str, ...], Classifier],
+        digest: str,
+    ) -> None:
+        self.words = words
+        self.digest = digest
+        self._projections = projections
+        self._classifiers = classifiers
+        self._by_use = {(w.word, types): w for w, types in words.uses()}
+
+    @classmethod
+    def load(cls, directory: Path) -> ReaderModel:
+        """Read ``words.yaml`` and ``weights.npz`` from ``directory``."""
+        text = (directory / WORDS).read_bytes()
+        weights = (directory / WEIGHTS).read_bytes()
+        with np.load(directory / WEIGHTS, allow_pickle=False) as arrays:
+            table = {key: arrays[key].astype(np.float32) for key in arrays.files}
+        projections, classifiers = unpack(table)
+        return cls(load_words(directory), projections, classifiers, hashlib.sha256(text + weights).hexdigest())
+
+    def value(self, word: str, names: Sequence[str], types: Sequence[str], scene: Scene) -> tuple[bool | None, float]:
+        """(value or None for unknown, probability of True) of a word about objects in a picture."""
+        use = self._by_use.get((word, tuple(types)))
+        if use is None or any(scene.crops(name) is None for name in names):
+            return None, 0.5
+        if use.measure is not None:
+            measured = MEASURES[use.measure](scene, *names)
+            return (None, 0.5) if measured is None else (measured > use.above, 1.0 if measured > use.above else 0.0)
+        classifier = self._classifiers[(str(use.concept), *types)]
+        p = classifier.probability(inputs(scene, self._projections, names, types))
+        if use.negated:
+            p = 1 - p
+        sure = self.words.sure
+        return (True if p >= sure else False if p <= 1 - sure else None), p
+
+
+def unpack(
+    table: Mapping[str, Array],
+) -> tuple[dict[str, Projection], dict[tuple[str, ...], Classifier]]:
+    """Arrays named ``projection|type|part`` and ``classifier|concept|types...|part`` as objects."""
+    projections: dict[str, Projection] = {}
+    classifiers: dict[tuple[str, ...], Classifier] = {}
+    for key in table:
+        kind, *name, part = key.split("|")
+        if part != "mean":
+            continue
+
+        def array(field: str, prefix: str = key.removesuffix("mean")) -> Array:
+            return table[prefix + field]
+
+        if kind == "projection":
+            projections[name[0]] = Projection(array("mean"), array("components"))
+        else:
+            parts = ("mean", "scale", "w1", "b1", "w2", "b2")
+            classifiers[tuple(name)] = Classifier(*(array(p) for p in parts))
+    return projections, classifiers

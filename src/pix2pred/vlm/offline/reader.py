@@ -1,0 +1,81 @@
+"""The offline reader: answers the same prompts as a hosted model, for the bundled domains, by reading pixels.
+
+It is a set of small classifiers trained on renders of the domain, not a vision-language model. A label is a function
+of the current picture's pixels, its boxes and the atom; the action and the previous answer serve only to repeat the
+previous value of an object that has no box.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+
+from pix2pred.structs.views import View
+from pix2pred.vlm.offline.model import ReaderModel
+from pix2pred.vlm.offline.pixels import Scene
+from pix2pred.vlm.offline.prompt_format import (
+    AskedAtom,
+    KnownWord,
+    asked_atoms,
+    current_views,
+    label_answer,
+    object_types,
+    previous_values,
+    proposal_answer,
+    value_line,
+)
+from pix2pred.vlm.request import Answer, Request
+
+_REMEMBERED_SCENES = 64
+
+
+class OfflineReader:
+    """Implements ``VLM``. ``name`` holds the digest of word list and weights, so stored answers know their reader."""
+
+    def __init__(self, domain: str, model: ReaderModel) -> None:
+        self.name = f"offline:{domain}:{model.digest[:12]}"
+        self._model = model
+        self._words = [
+            KnownWord(word.word, types, word.concept or word.word, word.negated) for word, types in model.words.uses()
+        ]
+        self._scenes: OrderedDict[tuple[object, ...], Scene] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def answer(self, request: Request) -> Answer:
+        """Propose or label, as the prompt asks."""
+        text = request.text
+        if request.purpose == "propose":
+            return Answer(proposal_answer(text, self._words))
+        scenes = [self._scene(view) for view in current_views(request.views)]
+        types, previous = object_types(text), previous_values(text)
+        lines = [self._label(atom, types, scenes, previous) for atom in asked_atoms(text)]
+        return Answer(label_answer(text, lines))
+
+    def _label(
+        self, atom: AskedAtom, types: Mapping[str, str], scenes: Sequence[Scene], previous: Mapping[str, str]
+    ) -> str:
+        hidden = [n for n in atom.names if all(scene.box(n) is None for scene in scenes)]
+        if hidden:
+            value = {"True": True, "False": False}.get(previous.get(str(atom), "Unknown"))
+            return value_line(atom, value, f"{hidden[0]} has no box in this picture; value as before.")
+        signature = [types.get(n, "") for n in atom.names]
+        read: tuple[bool | None, float] = (None, 0.5)
+        for scene in scenes:
+            if all(scene.box(n) is not None for n in atom.names):
+                read = max(read, self._model.value(atom.word, atom.names, signature, scene), key=_sureness)
+        return value_line(atom, read[0], f"Probability of True {read[1]:.2f}.")
+
+    def _scene(self, view: View) -> Scene:
+        """The picture of a view, remembered while queries about the same state come in."""
+        key = (view.picture.image.digest, *((n, b) for n, b in view.boxes.items()))
+        with self._lock:
+            if key not in self._scenes:
+                self._scenes[key] = Scene(view.picture)
+                if len(self._scenes) > _REMEMBERED_SCENES:
+                    self._scenes.popitem(last=False)
+            return self._scenes[key]
+
+
+def _sureness(read: tuple[bool | None, float]) -> float:
+    return abs(read[1] - 0.5)
