@@ -28,9 +28,16 @@ from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.predicates.labelling.structured import as_text
 from pix2pred.predicates.proposing.parse_atoms import kept
 from pix2pred.predicates.proposing.propose import ProposalSettings, read_proposal
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, Demo, Object, Skill, State, Type
+from pix2pred.structs import (
+    Demo,
+    Label,
+    Object,
+    Skill,
+    State,
+    Type,
+)
 
-WORDS = {TRUE: "true", FALSE: "false", UNKNOWN: "unknown"}
+WORDS = {Label.TRUE: "true", Label.FALSE: "false", Label.UNKNOWN: "unknown"}
 ITEM = Type("item")
 OBJECTS = tuple(Object(name, ITEM, name) for name in ("patty1", "top_bun2", "grill", "small_blue_cup"))
 DEMO = Demo("d", OBJECTS, (State(),), (), ())

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from pix2pred.learning import dump_traces
 from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.structs import (
-    UNKNOWN,
     AbstractState,
     Action,
     Atom,
     Candidate,
+    Label,
     LabelledDemo,
     LiftedAtom,
     Operator,
@@ -122,7 +122,7 @@ class _Labeller:
         exact = np.array([[a in state for a in given] for state in demo.states], dtype=np.int8)
         atoms, truth = self._truth(demo)
         values = np.where(self._errors(demo, atoms), 1 - truth, truth).astype(np.int8)
-        values[self.noise.random(values.shape) < self.unknown_rate] = UNKNOWN
+        values[self.noise.random(values.shape) < self.unknown_rate] = Label.UNKNOWN
         order = sorted(range(len(given) + len(atoms)), key=[*given, *atoms].__getitem__)
         everything = tuple([*given, *atoms][i] for i in order)
         labels = np.concatenate([exact, values], axis=1)[:, order]

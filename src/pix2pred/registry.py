@@ -23,6 +23,7 @@ from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.environment import Domain, Environment
 from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import AbsentVLM, replayed
 from pix2pred.vlm.control.breaker import BreakerVLM
@@ -66,7 +67,7 @@ SEARCHES: dict[str, Callable[[], Search]] = {
 """``portfolio``, the default, plans optimally where that is cheap and greedily otherwise."""
 
 
-class RegistryError(ValueError):
+class RegistryError(Pix2predError, ValueError):
     """A name that cannot be turned into what is asked for; the message says what would work."""
 
 

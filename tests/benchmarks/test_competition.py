@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from pix2pred.learning import LearningSettings, hill_climbing, load_traces, selection_document
-from pix2pred.structs import TRUE, UNKNOWN
+from pix2pred.structs import Label
 from symbolic.problems import CATALOGUE, load_domain, to_problem
 from symbolic.score import Verdict, execute, score_document, score_model
 from symbolic.traces import CANDIDATES, make_traces
@@ -65,8 +65,8 @@ def test_only_candidates_are_mislabelled_and_at_the_rate_asked() -> None:
         given = np.array([a.predicate in exact.table.initial for a in true.atoms])
         assert (true.values[:, given] == seen.values[:, given]).all()
         a, b = true.values[:, ~given], seen.values[:, ~given]
-        unknown += int((b == UNKNOWN).sum())
-        flips += int(((a != b) & (b != UNKNOWN)).sum())
+        unknown += int((b == Label.UNKNOWN).sum())
+        flips += int(((a != b) & (b != Label.UNKNOWN)).sum())
         labels += a.size
     assert abs(unknown / labels - 0.1) < 0.01
     assert abs(flips / (labels - unknown) - 0.05) < 0.01
@@ -144,4 +144,4 @@ def test_every_candidate_has_a_true_value_at_the_start_of_every_test() -> None:
         for atom in state:
             assert set(atom.objects) <= set(problem.objects)
     first = workload.table.demos[0]
-    assert (first.values != UNKNOWN).all() and (first.values == TRUE).any()
+    assert (first.values != Label.UNKNOWN).all() and (first.values == Label.TRUE).any()

@@ -12,11 +12,9 @@ from pix2pred.learning import LearningSettings, Verdict, advice_document, advise
 from pix2pred.learning.labels.advice import with_labels
 from pix2pred.learning.labels.doubts import doubted
 from pix2pred.structs import (
-    FALSE,
-    TRUE,
-    UNKNOWN,
     Action,
     Atom,
+    Label,
     LabelledDemo,
     LiftedAtom,
     Object,
@@ -78,7 +76,7 @@ def test_a_label_unlike_those_of_nine_other_demonstrations_is_doubted() -> None:
     (timeline,) = doubted(table([DONE], [HOT], [*demos, wrong]), [HOT])
     (doubt,) = timeline.doubts
     assert (timeline.demo, timeline.atom) == ("wrong", HOT(A))
-    assert (doubt.state, doubt.label, doubt.likely) == (2, FALSE, TRUE)
+    assert (doubt.state, doubt.label, doubt.likely) == (2, Label.FALSE, Label.TRUE)
     assert 0.5 < doubt.wrong <= 1 and timeline.expected == doubt.wrong
 
 
@@ -100,11 +98,11 @@ def test_labels_wrong_all_along_are_doubted_only_when_unusual_ones_are_asked_for
     steady = [[COLD(A)], [COLD(A)], [COLD(A), DONE(A)]]
     demos = [served(f"d{i}", *steady) for i in range(9)]
     never = served("never", *steady)
-    never.values[:, never.atoms.index(COLD(A))] = FALSE
+    never.values[:, never.atoms.index(COLD(A))] = Label.FALSE
     mixed = table([DONE], [COLD], [*demos, never])
     assert doubted(mixed, [COLD]) == []
     (found,) = doubted(mixed, [COLD], unusual=True)
-    assert (found.demo, {(d.label, d.likely) for d in found.doubts}) == ("never", {(FALSE, TRUE)})
+    assert (found.demo, {(d.label, d.likely) for d in found.doubts}) == ("never", {(Label.FALSE, Label.TRUE)})
 
 
 def with_a_mistake() -> TruthTable:
@@ -118,14 +116,14 @@ def test_the_label_that_stands_in_the_way_comes_first() -> None:
     advice = advise(mixed, settings)
     assert advice.predicates == (HOT,)
     first = advice.labels[0]
-    assert (first.demo, first.atom, first.doubt.state, first.doubt.likely) == ("wrong", HOT(A), 1, TRUE)
+    assert (first.demo, first.atom, first.doubt.state, first.doubt.likely) == ("wrong", HOT(A), 1, Label.TRUE)
     document = advice_document(advice)
     assert document["predicates"] == ["hot"]
     row = document["labels"][0]
     assert {k: row[k] for k in ("demo", "atom", "state", "label", "likely")} == {
         "demo": "wrong", "atom": ["hot", "a"], "state": 1, "label": "false", "likely": "true",
     }  # fmt: skip
-    corrected = with_labels(mixed, {("wrong", HOT(A), 1): TRUE})
+    corrected = with_labels(mixed, {("wrong", HOT(A), 1): Label.TRUE})
     assert advise(corrected, settings).labels == ()
 
 
@@ -144,14 +142,14 @@ def test_labels_that_help_only_together_come_before_those_that_do_nothing() -> N
 def test_changed_labels_leave_the_table_as_it_was() -> None:
     mixed = with_a_mistake()
     before = [d.values.copy() for d in mixed.demos]
-    changed = with_labels(mixed, {("wrong", HOT(A), 1): UNKNOWN})
+    changed = with_labels(mixed, {("wrong", HOT(A), 1): Label.UNKNOWN})
     assert all(np.array_equal(d.values, v) for d, v in zip(mixed.demos, before, strict=True))
     differing = [
         (d.name, int(s), d.atoms[int(i)], int(d.values[s, i]))
         for d, o in zip(changed.demos, mixed.demos, strict=True)
         for s, i in zip(*np.nonzero(d.values != o.values), strict=True)
     ]
-    assert differing == [("wrong", 1, HOT(A), UNKNOWN)]
+    assert differing == [("wrong", 1, HOT(A), Label.UNKNOWN)]
 
 
 def test_of_synonyms_the_one_with_fewer_mistakes_is_advised() -> None:
@@ -164,7 +162,7 @@ def test_of_synonyms_the_one_with_fewer_mistakes_is_advised() -> None:
 
     demos = [both(served(f"d{i}", *RIGHT)) for i in range(9)]
     last = both(served("last", *RIGHT))
-    last.values[1, last.atoms.index(HOT(A))] = FALSE
+    last.values[1, last.atoms.index(HOT(A))] = Label.FALSE
     advice = advise(table([DONE], [HOT, warm], [*demos, last]), LearningSettings(j_threshold=1))
     assert [p.name for p in advice.predicates] == ["warm"]
 

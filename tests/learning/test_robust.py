@@ -14,7 +14,15 @@ from pix2pred.learning import LearningSettings, Selection, hill_climbing, learn_
 from pix2pred.learning.labels.hidden_markov import ADD, Repaired, repair
 from pix2pred.learning.operators.clustering import partition
 from pix2pred.learning.transitions import Data
-from pix2pred.structs import UNKNOWN, Action, LabelledDemo, Object, Operator, Skill, TruthTable
+from pix2pred.structs import (
+    Action,
+    Label,
+    LabelledDemo,
+    Object,
+    Operator,
+    Skill,
+    TruthTable,
+)
 
 ROBUST = LearningSettings(operators="robust")
 FAMILIES = ("more-stacks", "bigger", "combo")
@@ -30,7 +38,7 @@ def heated(labels: list[int], unknown: tuple[int, ...] = (), other: Object = B) 
     one = demo("d", {A, other}, actions, states, [DONE(A)])
     values = one.values.copy()
     if unknown:
-        values[list(unknown), one.atoms.index(HOT(A))] = UNKNOWN
+        values[list(unknown), one.atoms.index(HOT(A))] = Label.UNKNOWN
     return LabelledDemo(one.name, one.objects, one.actions, one.goal, one.atoms, values)
 
 

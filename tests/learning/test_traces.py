@@ -16,7 +16,12 @@ from hypothesis import strategies as st
 
 from learning.random_tables import POOL, SKILLS, TYPES, random_table
 from pix2pred.learning import Traces, TracesError, dump_traces, load_traces
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, LabelledDemo, TruthTable, Vocabulary
+from pix2pred.structs import (
+    Label,
+    LabelledDemo,
+    TruthTable,
+    Vocabulary,
+)
 
 WORKLOAD = Path(__file__).parents[1] / "data" / "workloads" / "more_stacks_n100_noise2.json.gz"
 
@@ -70,7 +75,10 @@ def test_hand_worked_file(tmp_path: Path) -> None:
     (demo,) = table.demos
     assert [str(a) for a in demo.atoms] == ["HandEmpty()", "Holding(robot, patty1)", "cooked(patty1)",
                                             "near(robot, patty1)"]  # fmt: skip
-    assert demo.values.tolist() == [[TRUE, FALSE, TRUE, UNKNOWN], [FALSE, TRUE, TRUE, FALSE]]
+    assert demo.values.tolist() == [
+        [Label.TRUE, Label.FALSE, Label.TRUE, Label.UNKNOWN],
+        [Label.FALSE, Label.TRUE, Label.TRUE, Label.FALSE],
+    ]
     assert [str(a) for a in demo.actions] == ["Pick(robot, patty1)"]
     assert [str(a) for a in demo.goal] == ["Holding(robot, patty1)"]
     assert demo.name == "demo-0"
@@ -107,7 +115,7 @@ def test_round_trip_of_random_tables_keeps_every_label(tmp_path_factory: pytest.
     demos = tuple(
         LabelledDemo(
             d.name, d.objects, d.actions, d.goal, d.atoms,
-            np.where(rng.random(d.values.shape) < 0.2, UNKNOWN, d.values).astype(np.int8),
+            np.where(rng.random(d.values.shape) < 0.2, Label.UNKNOWN, d.values).astype(np.int8),
         )
         for d in source.demos
     )  # fmt: skip
@@ -118,7 +126,7 @@ def test_round_trip_of_random_tables_keeps_every_label(tmp_path_factory: pytest.
     assert [p.signature for p in again.initial] == [p.signature for p in source.initial]
     pools = [[(c.predicate.signature, c.cost) for c in t.pool] for t in (again, source)]
     assert pools[0] == pools[1]
-    for value in (TRUE, UNKNOWN):
+    for value in (Label.TRUE, Label.UNKNOWN):
         assert [_where(d, value) for d in again.demos] == [_where(d, value) for d in demos]
     assert [[str(a) for a in d.actions] for d in again.demos] == [[str(a) for a in d.actions] for d in demos]
 

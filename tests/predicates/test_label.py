@@ -11,7 +11,10 @@ import pytest
 
 from pix2pred.predicates import READ, Labeller, LabelSettings, StateLabels, ground_atoms
 from pix2pred.predicates.prompt import atom_text
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, Demo
+from pix2pred.structs import (
+    Demo,
+    Label,
+)
 from pix2pred.vlm import Answer, Finish, Request, Token
 from predicates.scripted import COOKED, OBJECTS, P1, P2, UNDER, Script, ScriptedVLM, demo
 
@@ -59,7 +62,7 @@ def test_queries_name_things_by_their_descriptors() -> None:
 
 def test_answers_in_the_words_of_the_query_are_understood() -> None:
     _, labels = label(["under(patty2,Small_blue-cup): True"] * 3)
-    assert [a for a, v in labels[0].values.items() if v == TRUE] == [UNDER(P2, OBJECTS[3])]
+    assert [a for a, v in labels[0].values.items() if v == Label.TRUE] == [UNDER(P2, OBJECTS[3])]
 
 
 def test_pictures_are_before_after_and_crops_of_every_camera() -> None:
@@ -118,7 +121,7 @@ def test_a_refused_double_check_keeps_the_answer() -> None:
     _, labels = label(
         by_purpose("cooked(patty1): False.", "cooked(patty1): True.", "Sorry."), LabelSettings(attempts=1)
     )
-    assert values(labels)[1] == [TRUE, FALSE]
+    assert values(labels)[1] == [Label.TRUE, Label.FALSE]
 
 
 def test_counts_of_both_answers_are_kept() -> None:
@@ -138,10 +141,10 @@ GAPS = [
 
 def test_missing_values_are_carried_or_false() -> None:
     _, labels = label(GAPS)
-    assert values(labels) == [[TRUE, UNKNOWN], [TRUE, UNKNOWN], [FALSE, UNKNOWN]]
+    assert values(labels) == [[Label.TRUE, Label.UNKNOWN], [Label.TRUE, Label.UNKNOWN], [Label.FALSE, Label.UNKNOWN]]
     assert [s.counts["missing"] for s in labels] == [2, 3, 3]
     _, labels = label(GAPS, LabelSettings(double_check=False, attempts=1, missing="false"))
-    assert values(labels) == [[TRUE, UNKNOWN], [FALSE, FALSE], [FALSE, FALSE]]
+    assert values(labels) == [[Label.TRUE, Label.UNKNOWN], [Label.FALSE, Label.FALSE], [Label.FALSE, Label.FALSE]]
 
 
 ALL = "\n".join(
@@ -153,7 +156,7 @@ def test_unusable_answers_are_asked_again_and_counted() -> None:
     whole = f"cooked(patty1): True.\n{ALL}"
     vlm, labels = label(["Sorry.", whole, "", "raw(patty1): True.", "No.", whole], ASKING)
     assert [r.attempt for r in vlm.asked] == [0, 1, 0, 1, 2, 0]
-    assert values(labels) == [[TRUE, FALSE]] * 3
+    assert values(labels) == [[Label.TRUE, Label.FALSE]] * 3
     assert [s.counts for s in labels] == [
         {READ: 1, "unusable answers": 1},
         {"unasked": 1, "unusable answers": 3, "missing": 4},
@@ -168,7 +171,7 @@ def test_atoms_left_out_are_asked_about_again_alone() -> None:
     vlm, labels = label(["cooked(patty1): True.", ALL, ALL, "cooked(patty1): Unknown", ALL, "", ""], ASKING)
     listed = [r.text.rpartition("Predicates:\n")[2].splitlines() for r in vlm.asked]
     assert [len(atoms) for atoms in listed] == [4, 3, 4, 1, 4, 1, 1]
-    assert values(labels) == [[TRUE, FALSE], [UNKNOWN, FALSE], [UNKNOWN, FALSE]]
+    assert values(labels) == [[Label.TRUE, Label.FALSE], [Label.UNKNOWN, Label.FALSE], [Label.UNKNOWN, Label.FALSE]]
     assert labels[0].text == f"cooked(patty1): True.\n\n{ALL}"
     assert [gap.atoms for s in labels for gap in s.gaps] == [("cooked(patty1)",)]
 
@@ -195,7 +198,7 @@ def test_an_answer_cut_short_is_not_read_and_its_atoms_are_asked_about_in_halves
     vlm = Finishing(fits=1)
     labels = Labeller(vlm, ASKING).demo(demo(actions=0), ATOMS)
     assert vlm.asked == [4, 2, 1, 1, 2, 1, 1]
-    assert set(labels[0].values.values()) == {TRUE} and not labels[0].gaps
+    assert set(labels[0].values.values()) == {Label.TRUE} and not labels[0].gaps
     assert labels[0].counts["cut short"] == 3
 
 
@@ -223,14 +226,14 @@ class Voting:
         return Answer("\n".join(f"{atom}: {word}. Sample {request.sample}" for atom in atoms))
 
 
-@pytest.mark.parametrize(("yes", "value", "share"), [(3, TRUE, 0.6), (1, FALSE, 0.8), (5, TRUE, 1.0)])
+@pytest.mark.parametrize(("yes", "value", "share"), [(3, Label.TRUE, 0.6), (1, Label.FALSE, 0.8), (5, Label.TRUE, 1.0)])
 def test_votes_decide_and_their_share_is_the_confidence(yes: int, value: int, share: float) -> None:
     vlm = Voting(yes)
     labels = Labeller(vlm, LabelSettings(votes=5)).demo(demo(actions=0), ATOMS)
     assert sorted(vlm.samples) == [(n, 0.7) for n in range(5)]
     assert set(labels[0].values.values()) == {value}
     assert set(labels[0].confidence.values()) == {share}
-    assert f"Sample {0 if value == TRUE else yes}" in labels[0].text
+    assert f"Sample {0 if value == Label.TRUE else yes}" in labels[0].text
 
 
 def test_confidence_comes_from_the_token_that_begins_the_value() -> None:
@@ -253,7 +256,7 @@ def test_structured_answers_are_read_and_prose_in_their_place_too() -> None:
     document = json.dumps({"expected_changes": "a", "observed_changes": "b", "values": rows})
     vlm, labels = label([document, "cooked(patty1): False", document], LabelSettings(
         structured=True, double_check=False, attempts=1))  # fmt: skip
-    assert values(labels) == [[TRUE, TRUE], [FALSE, TRUE], [TRUE, TRUE]]
+    assert values(labels) == [[Label.TRUE, Label.TRUE], [Label.FALSE, Label.TRUE], [Label.TRUE, Label.TRUE]]
     assert json.loads(vlm.asked[0].schema)["properties"]["values"]["items"]["properties"]["atom"]["enum"]
     assert "* cooked(patty1): True. seen" in vlm.asked[1].text, "the history is told in words"
 
@@ -268,7 +271,7 @@ def test_long_lists_are_split_and_every_part_sees_the_whole_history(size: int) -
     vlm, labels = label(answer, settings)
     parts = -(-4 // size)
     assert len(vlm.asked) == 3 * parts
-    assert all(set(s.values.values()) == {TRUE} and len(s.values) == 4 for s in labels)
+    assert all(set(s.values.values()) == {Label.TRUE} and len(s.values) == 4 for s in labels)
     assert all("under(patty2, small_blue_cup): True." in r.text for r in vlm.asked[parts:])
     assert all("cooked(patty1): True." in r.text for r in vlm.asked[parts:])
 
@@ -294,8 +297,8 @@ def test_no_atoms_are_not_asked_about() -> None:
 
 def test_states_do_not_share_values() -> None:
     _, labels = label(GAPS)
-    labels[0].values[C1] = FALSE
-    assert labels[1].values[C1] == TRUE
+    labels[0].values[C1] = Label.FALSE
+    assert labels[1].values[C1] == Label.TRUE
 
 
 def test_the_order_of_atoms_does_not_matter() -> None:

@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from pix2pred.predicates import Abstraction, Labeller, LabelSettings, ground_atoms, label_demos
-from pix2pred.structs import UNKNOWN, Candidate, FromFeatures, FromSkills, FromVLM, Predicate, SkillTrigger, State
+from pix2pred.structs import (
+    Candidate,
+    FromFeatures,
+    FromSkills,
+    FromVLM,
+    Label,
+    Predicate,
+    SkillTrigger,
+    State,
+)
 from predicates.scripted import COOKED, HOLDING, ITEM, OBJECTS, P1, P2, POOL, ROBOT, UNDER, R, ScriptedVLM, demo, state
 
 ANSWERS = ["cooked(patty1): Unknown. cooked(patty2): True.", "cooked(patty1): True.", "cooked(patty2): False."]
@@ -17,11 +26,11 @@ def test_unknown_stays_in_the_table_and_is_false_in_abstract_states() -> None:
     labelling = label_demos([demo()], (HOLDING, HELD), POOL, Labeller(ScriptedVLM(ANSWERS), PLAIN), jobs=1)
     (one,) = labelling.table.demos
     column = one.atoms.index(COOKED(P1))
-    assert one.values[:, column].tolist() == [UNKNOWN, 1, 1]
+    assert one.values[:, column].tolist() == [Label.UNKNOWN, 1, 1]
     assert [set(s) for s in one.abstract_states()] == [
         {COOKED(P2)}, {COOKED(P1), COOKED(P2), HELD(P1)}, {COOKED(P1), HELD(P1)}
     ]  # fmt: skip
-    assert labelling.table.count(UNKNOWN) == 1
+    assert labelling.table.count(Label.UNKNOWN) == 1
     assert labelling.counts["missing"] == 2 + 3 + 3
     assert [s.text for s in labelling.answers[0]] == ANSWERS
 

@@ -8,13 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pix2pred.structs import (
-    FALSE,
-    TRUE,
-    UNKNOWN,
     Action,
     Candidate,
     FromDomain,
     FromVLM,
+    Label,
     LabelledDemo,
     Object,
     Predicate,
@@ -30,7 +28,10 @@ ON = Predicate("On", (CUP, CUP), FromDomain())
 HOT, FULL = Predicate("Hot", (CUP,), FromVLM("Hot")), Predicate("Full", (CUP,), FromVLM("Full"))
 WAIT = Action(Skill("Wait", ()), ())
 ATOMS = (ON(A, B), HOT(A), FULL(A), HOT(B))
-VALUES = np.array([[TRUE, UNKNOWN, FALSE, FALSE], [FALSE, TRUE, UNKNOWN, FALSE]], np.int8)
+VALUES = np.array(
+    [[Label.TRUE, Label.UNKNOWN, Label.FALSE, Label.FALSE], [Label.FALSE, Label.TRUE, Label.UNKNOWN, Label.FALSE]],
+    np.int8,
+)
 
 
 def labelled(values: np.ndarray[tuple[int, ...], np.dtype[np.int8]] = VALUES) -> LabelledDemo:
@@ -45,7 +46,7 @@ def test_unknown_stays_in_storage_and_reads_as_false() -> None:
 def test_restriction_keeps_the_columns_of_the_predicates() -> None:
     kept = labelled().restricted([HOT])
     assert kept.atoms == (HOT(A), HOT(B))
-    assert kept.values.tolist() == [[UNKNOWN, FALSE], [TRUE, FALSE]]
+    assert kept.values.tolist() == [[Label.UNKNOWN, Label.FALSE], [Label.TRUE, Label.FALSE]]
     assert (kept.objects, kept.actions, kept.goal) == ((A, B), (WAIT,), (ON(A, B),))
     assert labelled().restricted([]).values.shape == (2, 0)
 
@@ -65,7 +66,7 @@ def test_labels_must_fit_the_demonstration() -> None:
 def test_equality_is_by_values() -> None:
     assert labelled() == labelled(VALUES.copy())
     changed = VALUES.copy()
-    changed[0, 1] = FALSE
+    changed[0, 1] = Label.FALSE
     assert labelled() != labelled(changed)
     assert labelled() != labelled().restricted([HOT])
 
@@ -75,7 +76,7 @@ def test_candidates_are_true_at_least_once_and_sorted() -> None:
     table = TruthTable((ON,), (Candidate(HOT, 1.0), never), (labelled(),))
     assert table.ever_true == {ON, HOT}
     assert table.candidates() == (Candidate(HOT, 1.0),)
-    assert [table.count(v) for v in (TRUE, FALSE, UNKNOWN)] == [2, 4, 2]
+    assert [table.count(v) for v in (Label.TRUE, Label.FALSE, Label.UNKNOWN)] == [2, 4, 2]
     values = np.ones((2, 4), np.int8)
     full = TruthTable((ON,), (Candidate(HOT, 1.0), never), (labelled(values),))
     assert [c.predicate.name for c in full.candidates()] == ["Full", "Hot"]
@@ -84,4 +85,4 @@ def test_candidates_are_true_at_least_once_and_sorted() -> None:
 def test_an_empty_table_has_no_candidates() -> None:
     table = TruthTable((), (Candidate(HOT, 1.0),), ())
     assert table.candidates() == ()
-    assert table.count(TRUE) == 0
+    assert table.count(Label.TRUE) == 0

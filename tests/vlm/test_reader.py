@@ -24,7 +24,7 @@ from pix2pred.domains.burger.vocabulary import SKILL_OF, SKILLS
 from pix2pred.domains.burger.world import World
 from pix2pred.predicates import Labeller, LabelSettings, Step, ground_atoms
 from pix2pred.predicates.labelling.parse_labels import parse_labels
-from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Object, Picture, Predicate, State
+from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Label, Object, Picture, Predicate, State
 from pix2pred.vlm import Answer, Request
 from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
@@ -54,7 +54,7 @@ def all_atoms(objects: Sequence[Object]) -> list[Atom]:
     return list(ground_atoms(sorted(predicates), objects))
 
 
-def label(state: State, objects: Sequence[Object]) -> dict[Atom, int]:
+def label(state: State, objects: Sequence[Object]) -> dict[Atom, Label]:
     labeller = Labeller(reader(), LabelSettings())
     return labeller.first(state, objects, all_atoms(objects)).values
 

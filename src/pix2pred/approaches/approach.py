@@ -14,12 +14,11 @@ from pix2pred.pipeline import Chooser, Learned, Pool, PoolMaker, Progress, Selec
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Labeller
 from pix2pred.structs import (
-    FALSE,
-    TRUE,
     Atom,
     Demo,
     Episode,
     FromVLM,
+    Label,
     LabelledDemo,
     Task,
     TruthTable,
@@ -143,7 +142,7 @@ def _corrected(d: int, demo: LabelledDemo, truth: TruthInDemo) -> LabelledDemo:
             for t in range(len(values)):
                 known = truth(d, t, atom)
                 if known is not None:
-                    values[t, i] = TRUE if known else FALSE
+                    values[t, i] = Label.of(known)
     return replace(demo, values=values)
 
 

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pix2pred.structs import Action, Object, Skill, Type
+from pix2pred.system.errors import Pix2predError
 
 _PLAN = re.compile(r"^[\s*#>]*plan\s*:[\s*]*$", re.IGNORECASE)
 _DECORATION = re.compile(r"^\s*(?:[-*]\s+|\d+[.)]\s*)?`?")
 _STEP = re.compile(r"^\(([^()]*)\)\s*\[([^\[\]]*)\]")
 
 
-class NoPlanError(ValueError):
+class NoPlanError(Pix2predError, ValueError):
     """An answer without a plan."""
 
 

@@ -7,11 +7,12 @@ from typing import Any
 
 from pix2pred.benchmark.runner import Run
 from pix2pred.benchmark.statistics import Cell, cell_of
+from pix2pred.system.errors import Pix2predError
 
 COLOURS = ("#1b6ca8", "#9aa0a6", "#5f6368", "#c58b2a", "#7b9e3a", "#a4508b", "#d0694f", "#3aa6a0", "#7d6bb0")
 
 
-class PlotError(RuntimeError):
+class PlotError(Pix2predError, RuntimeError):
     """Charts cannot be drawn; the message names the extra to install."""
 
 

@@ -10,11 +10,12 @@ from pix2pred.approaches.approach import Approach, Composition
 from pix2pred.benchmark.suite import Axis
 from pix2pred.structs import Demo
 from pix2pred.structs.environment import Domain, SimulatedTask
+from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM
 from pix2pred.vlm.noise.flips import FlippingVLM
 
 
-class NotAvailableError(LookupError):
+class NotAvailableError(Pix2predError, LookupError):
     """A cell that cannot be run here; the message says why."""
 
 

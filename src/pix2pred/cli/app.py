@@ -14,8 +14,6 @@ from cyclopts import App, CycloptsError
 from pydantic import ValidationError
 
 from pix2pred import __version__
-from pix2pred.approaches.sandbox import SandboxError
-from pix2pred.benchmark import SuiteError
 from pix2pred.cli.answers import answers
 from pix2pred.cli.bench import bench
 from pix2pred.cli.data import check, generate, schema
@@ -29,52 +27,7 @@ from pix2pred.cli.plan_pddl import plan_pddl
 from pix2pred.cli.review import review
 from pix2pred.cli.select import select
 from pix2pred.cli.solve import solve
-from pix2pred.demos import FolderError
-from pix2pred.demos.authoring.declaring import DeclarationError
-from pix2pred.execution.film import FilmError
-from pix2pred.learning import TracesError
-from pix2pred.learning.samplers.file import SamplerFileError
-from pix2pred.planning import ExternalPlannerError
-from pix2pred.predicates import CorrectionsError, EmptyProposalError, EvidenceError, UnusableAnswersError
-from pix2pred.registry import RegistryError
-from pix2pred.runs.folder import RunFolderError
-from pix2pred.structs import PictureError
-from pix2pred.structs.expressions import ExpressionError
-from pix2pred.structs.formats.documents import UnknownNameError
-from pix2pred.structs.formats.world_model import ModelFileError
-from pix2pred.system.extras import MissingExtraError
-from pix2pred.system.parallel import BackendError
-from pix2pred.vlm import VLMError
-from pix2pred.vlm.control.breaker import UselessModelError
-from pix2pred.vlm.control.budget import BudgetError
-
-BAD_INPUT = (
-    CorrectionsError,
-    DeclarationError,
-    SandboxError,
-    BackendError,
-    EmptyProposalError,
-    EvidenceError,
-    ExpressionError,
-    ExternalPlannerError,
-    FilmError,
-    FolderError,
-    MissingExtraError,
-    ModelFileError,
-    PictureError,
-    RegistryError,
-    RunFolderError,
-    SamplerFileError,
-    SuiteError,
-    TracesError,
-    UnknownNameError,
-    UnusableAnswersError,
-    VLMError,
-)
-"""Errors that users can cause and put right; their messages say how."""
-
-STOPPED = (BudgetError, UselessModelError)
-"""Errors that end a run which was asked for rightly."""
+from pix2pred.system.errors import Pix2predError, StoppedError
 
 app = App(
     name="pix2pred",
@@ -109,10 +62,10 @@ def run(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("\ninterrupted; the same command goes on where this one stopped", file=sys.stderr)
         return 130
-    except STOPPED as error:
+    except StoppedError as error:
         _complain(str(error))
         return 1
-    except BAD_INPUT as error:
+    except Pix2predError as error:
         return _complain(str(error))
     except OSError as error:
         return _complain(f"{error.filename or ''}: {error.strerror or error}".lstrip(": "))

@@ -14,6 +14,7 @@ from PIL import ImageDraw, ImageFont
 from pix2pred.structs import Action, GroundOperator, Pixels, State
 from pix2pred.structs.environment import Environment, Filmed, Step
 from pix2pred.structs.samplers import Features
+from pix2pred.system.errors import Pix2predError
 from pix2pred.system.extras import optional
 
 FRAMES_PER_SECOND = 10
@@ -28,7 +29,7 @@ _STILL = 8
 _END = 15
 
 
-class FilmError(ValueError):
+class FilmError(Pix2predError, ValueError):
     """A film cannot be written; the message says why."""
 
 

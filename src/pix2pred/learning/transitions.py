@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.structs import (
-    UNKNOWN,
     Candidate,
+    Label,
     LabelledDemo,
     Object,
     Predicate,
@@ -67,7 +67,7 @@ class Data:
         self._object_ids = {o: i for i, o in enumerate(self.objects)}
         self._predicate_ids = {p: i for i, p in enumerate(self.predicates)}
         self._extensions = [self._read_states(demo, unknown_as_false(demo.values)) for demo in table.demos]
-        self._unknown = [self._read_states(demo, demo.values == UNKNOWN) for demo in table.demos]
+        self._unknown = [self._read_states(demo, demo.values == Label.UNKNOWN) for demo in table.demos]
         self.demos = tuple(self._read_demo(demo) for demo in table.demos)
         self.transitions = tuple(self._read_transitions(table.demos))
         self._effects = [self._changes(p) for p in range(len(self.predicates))]

@@ -14,6 +14,7 @@ from operator import itemgetter
 
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import AbstractState, Atom, LiftedAtom, Object, Operator, Predicate
+from pix2pred.system.errors import Pix2predError
 
 Fact = tuple[int, ...]
 """Predicate number followed by object numbers."""
@@ -24,7 +25,7 @@ Binding = list[int]
 DEFAULT_BUDGET = 200_000
 
 
-class GroundingBudgetError(RuntimeError):
+class GroundingBudgetError(Pix2predError, RuntimeError):
     """The task has more ground operators than the budget allows."""
 
 

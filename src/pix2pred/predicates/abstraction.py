@@ -8,7 +8,15 @@ from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.labelling.asking import READ
 from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, Step, UnusableAnswersError
 from pix2pred.predicates.labelling.table import ground_atoms
-from pix2pred.structs import TRUE, AbstractState, Action, Atom, Object, Predicate, State
+from pix2pred.structs import (
+    AbstractState,
+    Action,
+    Atom,
+    Label,
+    Object,
+    Predicate,
+    State,
+)
 
 
 class Abstraction:
@@ -69,5 +77,5 @@ class Abstraction:
         return State(state.pictures, state.features, frozenset(given))
 
     def _held(self) -> AbstractState:
-        local = {a for a in self._local if local_values(a, self._states, self._actions)[-1] == TRUE}
-        return frozenset(local | {a for a, value in self._labels.values.items() if value == TRUE})
+        local = {a for a in self._local if local_values(a, self._states, self._actions)[-1] == Label.TRUE}
+        return frozenset(local | {a for a, value in self._labels.values.items() if value == Label.TRUE})

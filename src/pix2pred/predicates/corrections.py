@@ -16,26 +16,23 @@ import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
 
 from pix2pred.structs import (
-    FALSE,
-    TRUE,
-    UNKNOWN,
     Atom,
+    Label,
     LabelledDemo,
     Predicate,
     TruthTable,
 )
 from pix2pred.structs.formats.documents import Document, Names, PredicateName, UnknownNameError
+from pix2pred.system.errors import Pix2predError
 
 CORRECTIONS = "corrections.jsonl"
 """Where a run keeps them."""
 
-Label = Literal["true", "false", "unknown"]
-VALUES: dict[Label, int] = {"true": TRUE, "false": FALSE, "unknown": UNKNOWN}
-WORDS: dict[int, Label] = {value: word for word, value in VALUES.items()}
+LabelWord = Literal["true", "false", "unknown"]
 Standing = Literal["free", "banned", "pinned"]
 
 
-class CorrectionsError(ValueError):
+class CorrectionsError(Pix2predError, ValueError):
     """Corrections that cannot be read or do not fit the run; the message says which row and why."""
 
 
@@ -47,8 +44,8 @@ class LabelRow(Document):
     demo: str
     state: int = Field(ge=0)
     atom: tuple[str, ...] = Field(min_length=1)
-    old: Label
-    new: Label
+    old: LabelWord
+    new: LabelWord
 
 
 class RenameRow(Document):
@@ -121,7 +118,7 @@ class Corrections:
     """What the rows amount to. ``count`` is their number."""
 
     count: int = 0
-    labels: dict[Cell, Label] = field(default_factory=dict)
+    labels: dict[Cell, LabelWord] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
     merged: dict[str, str] = field(default_factory=dict)
     standing: dict[str, Standing] = field(default_factory=dict)
@@ -196,7 +193,7 @@ class Corrections:
         for (name, objects), i in column.items():
             target = column.get((kept[name], objects)) if name in kept else None
             if target is not None:
-                unsure = values[:, target] == UNKNOWN
+                unsure = values[:, target] == Label.UNKNOWN
                 values[unsure, target] = values[unsure, i]
                 if confidence is not None:
                     confidence[unsure, target] = confidence[unsure, i]
@@ -232,7 +229,7 @@ class Corrections:
         values = demo.values.copy()
         confidence = None if demo.confidence is None else demo.confidence.copy()
         for (_, state, parts), label in mine.items():
-            values[state, column[where[parts]]] = VALUES[label]
+            values[state, column[where[parts]]] = Label[label.upper()]
             if confidence is not None:
                 confidence[state, column[where[parts]]] = np.nan  # it was the model's, about its own label
         return replace(demo, values=values, confidence=confidence)
@@ -253,7 +250,7 @@ def with_atoms(demo: LabelledDemo, atoms: Iterable[Atom]) -> LabelledDemo:
         return demo
     ordered = tuple(sorted((*demo.atoms, *new)))
     column = {atom: i for i, atom in enumerate(ordered)}
-    values = np.full((len(demo.actions) + 1, len(ordered)), FALSE, dtype=np.int8)
+    values = np.full((len(demo.actions) + 1, len(ordered)), Label.FALSE, dtype=np.int8)
     old = [column[a] for a in demo.atoms]
     values[:, old] = demo.values
     confidence = None

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pix2pred.structs import (
-    FALSE,
-    TRUE,
     Action,
     Atom,
     FromDomain,
@@ -14,6 +12,7 @@ from pix2pred.structs import (
     FromHuman,
     FromSkills,
     FromVLM,
+    Label,
     SkillTrigger,
     State,
 )
@@ -25,32 +24,32 @@ def is_asked(atom: Atom) -> bool:
     return isinstance(atom.predicate.source, FromVLM)
 
 
-def local_values(atom: Atom, states: Sequence[State], actions: Sequence[Action]) -> list[int]:
+def local_values(atom: Atom, states: Sequence[State], actions: Sequence[Action]) -> list[Label]:
     """The atom's value in every state of a trajectory; ``actions[t]`` leads from state t to t + 1.
 
     Raises ``ExpressionError`` when a feature expression needs a feature that the states lack.
     """
     match atom.predicate.source:
         case FromDomain() | FromHuman():
-            return [TRUE if atom in state.given else FALSE for state in states]
+            return [Label.of(atom in state.given) for state in states]
         case FromFeatures(expression):
             parsed = parse_expression(expression)
-            return [TRUE if evaluate(parsed, state, atom.objects) else FALSE for state in states]
+            return [Label.of(evaluate(parsed, state, atom.objects)) for state in states]
         case FromSkills() as source:
             return _by_skills(source, atom, states[0], actions)
         case FromVLM():
             raise AssertionError(f"{atom} is labelled by a model, not locally")
 
 
-def _by_skills(source: FromSkills, atom: Atom, first: State, actions: Sequence[Action]) -> list[int]:
+def _by_skills(source: FromSkills, atom: Atom, first: State, actions: Sequence[Action]) -> list[Label]:
     """Declared knowledge: set and cleared by skills; true at first if listed there or declared so."""
-    values = [TRUE if source.initially or atom in first.given else FALSE]
+    values = [Label.of(source.initially or atom in first.given)]
     for action in actions:
         value = values[-1]
         if any(_matches(trigger, action, atom) for trigger in source.cleared_by):
-            value = FALSE
+            value = Label.FALSE
         if any(_matches(trigger, action, atom) for trigger in source.set_by):
-            value = TRUE
+            value = Label.TRUE
         values.append(value)
     return values
 

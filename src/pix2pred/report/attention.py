@@ -12,7 +12,10 @@ import numpy as np
 
 from pix2pred.learning import Verdict
 from pix2pred.report.contents import Contents
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, LabelledDemo
+from pix2pred.structs import (
+    Label,
+    LabelledDemo,
+)
 
 MOST = 60
 """Timelines shown."""
@@ -22,7 +25,6 @@ _UNSURE = (0.2, 0.8)
 """Probabilities of "true" between which a model is unsure; labels that it gives a lower one than the upper are."""
 
 _LETTERS = {"true": "1", "false": "0", "unknown": "?"}
-_WORDS = {TRUE: "true", FALSE: "false", UNKNOWN: "unknown"}
 
 Broken = Mapping[tuple[str, int, str], set[str]]
 """Operators that a transition contradicts, by (demonstration, state, atom) of what differs."""
@@ -85,7 +87,7 @@ def unsure(contents: Contents) -> list[Unsure]:
             original = (contents.original(atom.predicate.name), *objects)
             known = (demo.name, int(state), original) in contents.corrections.labels
             if not known and (demo.name, int(state), (atom.predicate.name, *objects)) not in advised:
-                label = _WORDS[int(demo.values[state, columns[i]])]
+                label = Label(demo.values[state, columns[i]]).word
                 found.append(Unsure(demo.name, str(atom), original, int(state), label, confidence))
     return sorted(found, key=lambda u: (u.confidence, u.demo, u.atom, u.state))[:MOST]
 

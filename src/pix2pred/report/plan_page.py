@@ -20,7 +20,14 @@ from pix2pred.execution.explaining.scene import said
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import draw_view, skill_crop
 from pix2pred.report.page import asset, environment
-from pix2pred.structs import TRUE, UNKNOWN, Atom, FromVLM, GroundOperator, PlanStatus, State
+from pix2pred.structs import (
+    Atom,
+    FromVLM,
+    GroundOperator,
+    Label,
+    PlanStatus,
+    State,
+)
 from pix2pred.structs.predicates import source_name
 from pix2pred.structs.states import Pixels
 from pix2pred.structs.views import View
@@ -131,9 +138,9 @@ def _changes(step: GroundOperator) -> tuple[str, ...]:
 
 
 def _label(scene: PlannedScene, atom: Atom, *, crop: bool = True) -> LabelView:
-    value = scene.labels.values.get(atom, TRUE if atom in scene.seen else 0)
-    without = atom in scene.unlabelled and value != UNKNOWN
-    word = "no answer" if without else {TRUE: "true", UNKNOWN: "unknown"}.get(value, "false")
+    value = scene.labels.values.get(atom, Label.of(atom in scene.seen))
+    without = atom in scene.unlabelled and value != Label.UNKNOWN
+    word = "no answer" if without else value.word
     probability = scene.labels.confidence.get(atom)
     used = [str(i) for i, step in enumerate(scene.needs, start=1) for n in step if n.atom == atom and n.by is None]
     if used and used[-1] == str(len(scene.needs)):
@@ -153,7 +160,7 @@ def _look(look: Look, number: int) -> LookView:
     words = said(look.labels)
     signs = {c[1:] for c in (*look.expected, *look.absent, *look.surplus)}
     told = tuple((str(a), text) for a, text in words.items() if str(a) in signs)
-    unknown = tuple(str(a) for a, v in sorted(look.labels.values.items()) if v == UNKNOWN)
+    unknown = tuple(str(a) for a, v in sorted(look.labels.values.items()) if v == Label.UNKNOWN)
     return LookView(in_words(look.step), look, _photos(look.state, number), unknown, told)
 
 

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 from pix2pred.report.contents import Contents
 from pix2pred.report.curve import j_text
-from pix2pred.structs import TRUE, FromVLM, Predicate
+from pix2pred.structs import (
+    FromVLM,
+    Label,
+    Predicate,
+)
 from pix2pred.structs.predicates import source_name
 
 ORDER = ("selected", "dropped", "same", "runner-up", "candidate", "never true", "merged", "banned")
@@ -44,7 +48,7 @@ def pool_entries(contents: Contents) -> list[PoolEntry]:
     totals: Counter[Predicate] = Counter()
     for demo in contents.said.demos:
         for i, atom in enumerate(demo.atoms):
-            counts[atom.predicate] += int((demo.values[:, i] == TRUE).sum())
+            counts[atom.predicate] += int((demo.values[:, i] == Label.TRUE).sum())
             totals[atom.predicate] += len(demo.values)
     proposed: Counter[str] = Counter()
     for proposal in contents.proposals:

@@ -9,10 +9,15 @@ import numpy as np
 from pix2pred.report.attention import Suspicion
 from pix2pred.report.contents import Contents
 from pix2pred.report.pictures import Album
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, LabelledDemo, Predicate, TruthTable
+from pix2pred.structs import (
+    Label,
+    LabelledDemo,
+    Predicate,
+    TruthTable,
+)
 from pix2pred.structs.predicates import FromVLM, source_name
 
-_LETTERS = {TRUE: "1", FALSE: "0", UNKNOWN: "?"}
+_LETTERS = {Label.TRUE: "1", Label.FALSE: "0", Label.UNKNOWN: "?"}
 
 
 def tables(
@@ -74,7 +79,7 @@ def tables(
 
 
 def _row(demo: LabelledDemo, column: int) -> str:
-    return "".join(_LETTERS[int(v)] for v in np.asarray(demo.values[:, column]))
+    return "".join(_LETTERS[Label(v)] for v in np.asarray(demo.values[:, column]))
 
 
 def _predicate(p: Predicate, shown: TruthTable, status: dict[str, dict[str, str]]) -> dict[str, Any]:

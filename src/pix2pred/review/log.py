@@ -15,7 +15,6 @@ from pathlib import Path
 
 from pix2pred.predicates import CORRECTIONS, Corrections, CorrectionsError
 from pix2pred.predicates.corrections import (
-    WORDS,
     LabelRow,
     MergeRow,
     RenameRow,
@@ -24,10 +23,14 @@ from pix2pred.predicates.corrections import (
     row_line,
 )
 from pix2pred.predicates.corrections import read_rows as read
-from pix2pred.structs import FALSE, TruthTable
+from pix2pred.structs import (
+    Label,
+    TruthTable,
+)
+from pix2pred.system.errors import Pix2predError
 
 
-class StaleError(ValueError):
+class StaleError(Pix2predError, ValueError):
     """A correction made from a page that did not know of another one; ``present`` is the value now."""
 
     def __init__(self, present: str | None) -> None:
@@ -78,7 +81,7 @@ class CorrectionLog:
         match row:
             case LabelRow():
                 cell = (row.demo, row.state, row.atom)
-                return corrections.labels.get(cell) or WORDS[self._label(row)]
+                return corrections.labels.get(cell) or self._label(row).word
             case RenameRow():
                 return corrections.names.get(row.predicate, row.predicate)
             case MergeRow():
@@ -86,7 +89,7 @@ class CorrectionLog:
             case StandingRow():
                 return corrections.standing.get(row.predicate, "free")
 
-    def _label(self, row: LabelRow) -> int:
+    def _label(self, row: LabelRow) -> Label:
         """What the model said; atoms that are false everywhere are not listed."""
         demo = self._demos.get(row.demo)
         if demo is None:
@@ -94,7 +97,7 @@ class CorrectionLog:
         if row.state > len(demo.actions):
             raise CorrectionsError(f"{row.demo} has no state {row.state}")
         column = self._columns[row.demo].get(row.atom)
-        return FALSE if column is None else int(demo.values[row.state, column])
+        return Label.FALSE if column is None else Label(demo.values[row.state, column])
 
     @contextmanager
     def _locked(self) -> Iterator[int]:

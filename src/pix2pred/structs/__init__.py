@@ -20,10 +20,8 @@ from pix2pred.structs.predicates import (
 from pix2pred.structs.skills import Action, Skill
 from pix2pred.structs.states import AbstractState, Box, Image, Picture, PictureError, Pixels, State
 from pix2pred.structs.truth_table import (
-    FALSE,
-    TRUE,
-    UNKNOWN,
     Candidate,
+    Label,
     LabelledDemo,
     TruthTable,
     unknown_as_false,
@@ -31,9 +29,9 @@ from pix2pred.structs.truth_table import (
 from pix2pred.structs.world_model import WorldModel
 
 __all__ = [
-    "FALSE", "TRUE", "UNKNOWN", "AbstractState", "Action", "Application", "Atom", "Box", "Candidate", "Demo",
+    "AbstractState", "Action", "Application", "Atom", "Box", "Candidate", "Demo",
     "Episode", "ExecutedStep", "Failure", "FromDomain", "FromFeatures", "FromHuman", "FromSkills", "FromVLM",
-    "GroundOperator", "Image", "LabelledDemo", "LiftedAtom", "Object", "Operator", "Picture", "PictureError",
+    "GroundOperator", "Image", "Label", "LabelledDemo", "LiftedAtom", "Object", "Operator", "Picture", "PictureError",
     "Pixels", "PlanResult", "PlanStatus", "Predicate", "Skill", "SkillTrigger", "State", "Task", "TruthTable",
     "Type", "Variable", "Vocabulary", "WorldModel", "groundings", "parse_application", "unknown_as_false",
 ]  # fmt: skip

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 from pix2pred.structs.objects import Object, Type
 from pix2pred.structs.states import State
+from pix2pred.system.errors import Pix2predError
 
 
-class ExpressionError(ValueError):
+class ExpressionError(Pix2predError, ValueError):
     """A text that is no feature expression; the message says what was expected."""
 
 

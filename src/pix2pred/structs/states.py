@@ -20,6 +20,7 @@ from PIL.PngImagePlugin import PngImageFile
 
 from pix2pred.structs.objects import Object
 from pix2pred.structs.predicates import Atom
+from pix2pred.system.errors import Pix2predError
 from pix2pred.system.png import pack, png_file, unpack
 
 Pixels = NDArray[np.uint8]
@@ -36,7 +37,7 @@ _SIDEWAYS = frozenset({5, 6, 7, 8})
 """EXIF orientations that swap width and height."""
 
 
-class PictureError(ValueError):
+class PictureError(Pix2predError, ValueError):
     """A picture could not be read; the message says which and why."""
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,28 @@ from pix2pred.structs.predicates import Atom, Predicate
 from pix2pred.structs.skills import Action
 from pix2pred.structs.states import AbstractState
 
-FALSE, TRUE, UNKNOWN = 0, 1, -1
+
+class Label(IntEnum):
+    """The value of an atom in a state, as a model, a person or a program gave it; arrays hold it as one byte."""
+
+    FALSE = 0
+    TRUE = 1
+    UNKNOWN = -1
+
+    @property
+    def word(self) -> Literal["true", "false", "unknown"]:
+        """What files and people call it."""
+        return _WORDS[self]
+
+    @classmethod
+    def of(cls, held: bool) -> Label:
+        """True or false, from a value that is known."""
+        return cls.TRUE if held else cls.FALSE
+
+
+_WORDS: dict[Label, Literal["true", "false", "unknown"]] = {
+    Label.TRUE: "true", Label.FALSE: "false", Label.UNKNOWN: "unknown",
+}  # fmt: skip
 
 Values = NDArray[np.int8]
 """Labels of shape (states, atoms): 1 true, 0 false, -1 unknown."""
@@ -25,7 +48,7 @@ Confidence = NDArray[np.float32]
 
 def unknown_as_false(values: Values) -> NDArray[np.bool_]:
     """The closed-world reading of labels: unknown counts as false, as the method asks (method 3.6)."""
-    held: NDArray[np.bool_] = values == TRUE
+    held: NDArray[np.bool_] = values == Label.TRUE
     return held
 
 
@@ -101,13 +124,15 @@ class TruthTable:
     def ever_true(self) -> frozenset[Predicate]:
         """Predicates with at least one true label; only these become candidates (method 3.7)."""
         return frozenset(
-            demo.atoms[i].predicate for demo in self.demos for i in np.flatnonzero((demo.values == TRUE).any(axis=0))
+            demo.atoms[i].predicate
+            for demo in self.demos
+            for i in np.flatnonzero((demo.values == Label.TRUE).any(axis=0))
         )
 
     def candidates(self) -> tuple[Candidate, ...]:
         """The members of the pool that are true at least once, sorted by name."""
         return tuple(sorted(c for c in self.pool if c.predicate in self.ever_true))
 
-    def count(self, value: int) -> int:
+    def count(self, value: Label) -> int:
         """How many labels have ``value``."""
         return sum(int((demo.values == value).sum()) for demo in self.demos)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+from pix2pred.system.errors import Pix2predError
 
-class MissingExtraError(ImportError):
+
+class MissingExtraError(Pix2predError, ImportError):
     """Something is not installed; the message says which command installs it."""
 
 

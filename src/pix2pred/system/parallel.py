@@ -16,6 +16,8 @@ from typing import Any, TypeVar
 
 from joblib import Parallel, delayed, parallel_config
 
+from pix2pred.system.errors import Pix2predError
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -28,7 +30,7 @@ class Backend(StrEnum):
     RAY = "ray"
 
 
-class BackendError(RuntimeError):
+class BackendError(Pix2predError, RuntimeError):
     """An engine that cannot be used; the message says what to install or to change."""
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from urllib.parse import urlsplit
 
+from pix2pred.system.errors import Pix2predError
+
 KEY_VARIABLES = {
     "openai": ("OPENAI_API_KEY",),
     "google": ("GOOGLE_API_KEY", "GEMINI_API_KEY"),
@@ -16,7 +18,7 @@ KEY_VARIABLES = {
 FORMS = "offline, openai:MODEL, google:MODEL, anthropic:MODEL, openai-compatible:MODEL@URL, replay:DIR, mailbox:DIR"
 
 
-class ModelNameError(ValueError):
+class ModelNameError(Pix2predError, ValueError):
     """A name that says no model; the message says which forms there are."""
 
 

@@ -10,6 +10,7 @@ from enum import StrEnum
 from typing import Any, Protocol, runtime_checkable
 
 from pix2pred.structs.views import View
+from pix2pred.system.errors import Pix2predError
 
 Part = str | View
 """Text, or a picture and how to show it."""
@@ -132,7 +133,7 @@ class Answer:
     spent: Spent = Spent()
 
 
-class VLMError(RuntimeError):
+class VLMError(Pix2predError, RuntimeError):
     """A model could not be asked; the message says why and what to do. It ends the run."""
 
 

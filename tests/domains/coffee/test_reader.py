@@ -24,7 +24,7 @@ from pix2pred.domains.coffee.vocabulary import SKILLS
 from pix2pred.domains.coffee.world import World
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
 from pix2pred.predicates.labelling.labeller import Step
-from pix2pred.structs import Action, Atom, FromVLM, Image, Object, Picture, Predicate, State
+from pix2pred.structs import Action, Atom, FromVLM, Image, Label, Object, Picture, Predicate, State
 from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
 
@@ -65,7 +65,7 @@ def all_atoms(objects: Sequence[Object]) -> list[Atom]:
     return list(ground_atoms(sorted(predicates), objects))
 
 
-def label(picture: Picture, objects: Sequence[Object]) -> dict[Atom, int]:
+def label(picture: Picture, objects: Sequence[Object]) -> dict[Atom, Label]:
     labeller = Labeller(OfflineReader("coffee", model()), LabelSettings())
     return labeller.first(State((picture,)), objects, all_atoms(objects)).values
 

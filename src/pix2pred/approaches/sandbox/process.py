@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.structs import Object, Type
+from pix2pred.system.errors import Pix2predError
 
 CHILD = Path(__file__).with_name("child.py")
 
@@ -20,7 +21,7 @@ class CodeError(ValueError):
     """A classifier that cannot be used: refused, failing, too slow or killed. The message says what it did."""
 
 
-class SandboxError(RuntimeError):
+class SandboxError(Pix2predError, RuntimeError):
     """Code cannot be run safely on this system, so it is not run at all."""
 
 

@@ -37,13 +37,14 @@ from pix2pred.structs.formats.documents import (
     check_distinct,
     check_triggers,
 )
+from pix2pred.system.errors import Pix2predError
 
 T = TypeVar("T")
 
 _TRIGGER = re.compile(r"([+-])\s*([^\s()+-][^\s()]*)\s*\(([^()]*)\)\s*")
 
 
-class DeclarationError(ValueError):
+class DeclarationError(Pix2predError, ValueError):
     """Something is declared in a way that cannot be understood; the message has a line for each."""
 
 

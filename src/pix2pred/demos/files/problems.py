@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pix2pred.system.errors import Pix2predError
+
 
 @dataclass(frozen=True, slots=True)
 class Problem:
@@ -31,7 +33,7 @@ def in_reading_order(found: Sequence[Problem]) -> list[Problem]:
     return sorted(found, key=lambda p: (files[p.file], p.line or 0))
 
 
-class FolderError(ValueError):
+class FolderError(Pix2predError, ValueError):
     """A folder that cannot be used as it is; ``problems`` says everything that is wrong with it."""
 
     def __init__(self, problems: Sequence[Problem]) -> None:

@@ -13,6 +13,8 @@ from typing import Any
 
 import yaml
 
+from pix2pred.system.errors import Pix2predError
+
 MAX_BYTES = 8_000_000
 MAX_ENTRIES = 200_000
 MAX_DEPTH = 20
@@ -31,7 +33,7 @@ _CONSTANTS: Mapping[str, object] = {
 }  # fmt: skip
 
 
-class YamlError(ValueError):
+class YamlError(Pix2predError, ValueError):
     """Text that is not YAML as read here; ``line`` counts from 1."""
 
     def __init__(self, line: int, message: str) -> None:

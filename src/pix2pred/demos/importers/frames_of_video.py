@@ -16,6 +16,7 @@ import numpy as np
 from pix2pred.demos.files.folders import refusal
 from pix2pred.structs import Pixels
 from pix2pred.structs.states import MAX_PIXELS
+from pix2pred.system.errors import Pix2predError
 from pix2pred.system.extras import optional
 
 VIDEO_ENDINGS = (".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi")
@@ -32,7 +33,7 @@ _SLACK = 1.0
 """Seconds that a video may end before the moment asked for, whose last frame is then taken."""
 
 
-class VideoError(ValueError):
+class VideoError(Pix2predError, ValueError):
     """A video cannot be read, or has no frame at the time asked for; the message says why."""
 
 

@@ -17,13 +17,14 @@ from pix2pred.demos.files.problems import Problem
 from pix2pred.demos.files.sidecar import demo_name
 from pix2pred.demos.files.yaml_lines import MAX_BYTES
 from pix2pred.demos.importers.parquet import ParquetError, rows
+from pix2pred.system.errors import Pix2predError
 
 MAX_EPISODES = 1_000_000
 _PREFIX = "observation.images."
 _FIELD = re.compile(r"\{(video_key|chunk_index|file_index)(?::0?(\d{1,2})d)?\}")
 
 
-class DatasetError(ValueError):
+class DatasetError(Pix2predError, ValueError):
     """A dataset cannot be read: what is wrong with which ``file``."""
 
     def __init__(self, file: Path, message: str) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from pix2pred.demos.files.folders import refusal
 from pix2pred.demos.pictures import MAX_BYTES
+from pix2pred.system.errors import Pix2predError
 from pix2pred.system.extras import optional
 
 MAX_ROWS = 10_000_000
@@ -19,7 +20,7 @@ MAX_UNPACKED = 2_000_000_000
 _BATCH = 64
 
 
-class ParquetError(ValueError):
+class ParquetError(Pix2predError, ValueError):
     """A table cannot be read; the message says why."""
 
 

@@ -12,7 +12,16 @@ from pix2pred.execution.solver import Solver
 from pix2pred.predicates import Abstraction, StateLabels
 from pix2pred.predicates.labelling.explanations import explanations
 from pix2pred.predicates.prompt import atom_text
-from pix2pred.structs import UNKNOWN, AbstractState, Atom, FromDomain, FromHuman, PlanResult, PlanStatus, Task
+from pix2pred.structs import (
+    AbstractState,
+    Atom,
+    FromDomain,
+    FromHuman,
+    Label,
+    PlanResult,
+    PlanStatus,
+    Task,
+)
 
 
 @dataclass(frozen=True)
@@ -82,7 +91,7 @@ class PlannedScene:
 def unlabelled(labels: StateLabels) -> tuple[Atom, ...]:
     """The atoms of ``labels`` without a value, or whose value is unknown, sorted."""
     without = {text for gap in labels.gaps for text in gap.atoms}
-    return tuple(sorted(a for a, v in labels.values.items() if v == UNKNOWN or atom_text(a) in without))
+    return tuple(sorted(a for a, v in labels.values.items() if v == Label.UNKNOWN or atom_text(a) in without))
 
 
 def said(labels: StateLabels) -> dict[Atom, str]:

@@ -26,7 +26,14 @@ from pix2pred.learning.settings import LearningSettings
 from pix2pred.learning.strategies import climbing_rule, hill_climbing, skeleton_search
 from pix2pred.learning.transitions import Data, Extension
 from pix2pred.planning import Strips
-from pix2pred.structs import FALSE, TRUE, UNKNOWN, Atom, LabelledDemo, Predicate, TruthTable, Type
+from pix2pred.structs import (
+    Atom,
+    Label,
+    LabelledDemo,
+    Predicate,
+    TruthTable,
+    Type,
+)
 
 MOST_CONSIDERED = 40
 """Labels of which is computed what they do to operators and J; the rest follow by how probably they are wrong."""
@@ -75,14 +82,13 @@ def advise(
 
 def advice_document(advice: Advice) -> dict[str, Any]:
     """The JSON form of advice: labels in words."""
-    words = {TRUE: "true", FALSE: "false", UNKNOWN: "unknown"}
     rows = [
         {
             "demo": a.demo,
             "atom": [a.atom.predicate.name, *(o.name for o in a.atom.objects)],
             "state": a.doubt.state,
-            "label": words[a.doubt.label],
-            "likely": words[a.doubt.likely],
+            "label": a.doubt.label.word,
+            "likely": a.doubt.likely.word,
             "probability": round(a.doubt.wrong, 4),
             "gain": round(a.gain, 1),
         }
@@ -175,7 +181,7 @@ class _Learning:
             states = values[p][self._demos[timeline.demo]]
             args = {tuple(self._objects[o] for o in timeline.atom.objects)}
             before = states[doubt.state]
-            states[doubt.state] = before | args if doubt.likely == TRUE else before - args
+            states[doubt.state] = before | args if doubt.likely == Label.TRUE else before - args
         return values
 
 

@@ -13,7 +13,14 @@ from itertools import product
 from pix2pred.learning.labels.hidden_markov import repair
 from pix2pred.learning.operators.clustering import TransitionClass, partition
 from pix2pred.learning.transitions import Data, ObjectIds
-from pix2pred.structs import FALSE, TRUE, Atom, FromVLM, LabelledDemo, Predicate, TruthTable
+from pix2pred.structs import (
+    Atom,
+    FromVLM,
+    Label,
+    LabelledDemo,
+    Predicate,
+    TruthTable,
+)
 
 UNLIKELY = 0.5
 """Labels that are wrong with a higher probability are doubted."""
@@ -27,8 +34,8 @@ class Doubt:
     """A label that is wrong with probability ``wrong`` if ``likely`` is the true value."""
 
     state: int
-    label: int
-    likely: int
+    label: Label
+    likely: Label
     wrong: float
 
 
@@ -86,12 +93,12 @@ def _doubts(
     """Doubted labels, given the probability that each atom is true and, where it is unusual, how often it is usual."""
     doubts = []
     for state, belief in enumerate(beliefs):
-        label = int(demo.values[state, column])
-        likely = TRUE if belief > 0.5 else FALSE
+        label = Label(demo.values[state, column])
+        likely = Label.of(belief > 0.5)
         wrong = max(belief, 1 - belief)
         rarity = usual[state]
         if label == likely and rarity is not None:
-            likely, wrong = 1 - label, rarity
+            likely, wrong = Label.of(label is Label.FALSE), rarity
         if label != likely and wrong > UNLIKELY:
             doubts.append(Doubt(state, label, likely, wrong))
     return tuple(doubts)

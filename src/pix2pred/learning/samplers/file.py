@@ -13,12 +13,13 @@ import numpy as np
 from pix2pred.learning.samplers.learn import CHOICES, KernelValidity, LearnedSampler, LinearGaussian
 from pix2pred.learning.samplers.networks import NetworkGaussian, NetworkValidity
 from pix2pred.structs.samplers import Sampler
+from pix2pred.system.errors import Pix2predError
 
 VERSION = 2
 _BOX = ("low", "high")
 
 
-class SamplerFileError(ValueError):
+class SamplerFileError(Pix2predError, ValueError):
     """A file that is not one of samplers that this program reads."""
 
 

@@ -18,6 +18,7 @@ from typing import Any
 
 from pix2pred.planning.validate import is_valid
 from pix2pred.structs import AbstractState, Atom, GroundOperator, Object, Operator, PlanResult, PlanStatus, Type
+from pix2pred.system.errors import Pix2predError
 
 ENGINES = {
     "aries": "up-aries",
@@ -50,7 +51,7 @@ _STATUS = {
 }
 
 
-class ExternalPlannerError(RuntimeError):
+class ExternalPlannerError(Pix2predError, RuntimeError):
     """An engine that is not installed, does not support the task, crashed, or gave a plan that does not work."""
 
 

@@ -6,11 +6,13 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from pix2pred.system.errors import Pix2predError
+
 _TOKEN = re.compile(r";[^\n]*|\n|[^\S\n]+|[()]|[^\s();]+")
 _MAX_DEPTH = 50
 
 
-class PddlError(ValueError):
+class PddlError(Pix2predError, ValueError):
     """A text that is not PDDL of the supported kind; the message starts with the line."""
 
     def __init__(self, line: int, message: str) -> None:

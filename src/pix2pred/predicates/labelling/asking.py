@@ -18,7 +18,7 @@ from pix2pred.predicates.labelling.parse_labels import ParsedLabels, parse_label
 from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.labelling.structured import as_text, schema
 from pix2pred.predicates.prompt import atom_text
-from pix2pred.structs import Atom
+from pix2pred.structs import Atom, Label
 from pix2pred.vlm import VLM, Answer, Finish, NoAnswerError, Request, Review
 from pix2pred.vlm.request import Part
 
@@ -51,7 +51,7 @@ class Asked:
     ``useless`` is the last answer from which nothing could be read.
     """
 
-    values: dict[Atom, int] = field(default_factory=dict)
+    values: dict[Atom, Label] = field(default_factory=dict)
     confidence: dict[Atom, float] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)

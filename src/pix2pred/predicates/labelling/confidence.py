@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from pix2pred.structs import FALSE, TRUE, UNKNOWN
+from pix2pred.structs import Label
 from pix2pred.vlm import Token
 
-_WORDS = {TRUE: "true", FALSE: "false", UNKNOWN: "unknown"}
 
-
-def probability(tokens: Sequence[Token], place: int, value: int) -> float | None:
+def probability(tokens: Sequence[Token], place: int, value: Label) -> float | None:
     """The probability of ``value`` among the three, at the token with which the value's word begins.
 
     ``place`` is where the word begins in the answer, whose text the tokens make up. ``None`` when no likely token
@@ -25,11 +23,12 @@ def probability(tokens: Sequence[Token], place: int, value: int) -> float | None
     return None
 
 
-def _share(token: Token, before: str, value: int) -> float | None:
-    masses = dict.fromkeys(_WORDS, 0.0)
+def _share(token: Token, before: str, value: Label) -> float | None:
+    masses = dict.fromkeys(Label, 0.0)
     for text, logprob in dict(token.logprobs).items():
         begun = text.removeprefix(before).strip(" *`\"'").lower()
-        for candidate, word in _WORDS.items():
+        for candidate in Label:
+            word: str = candidate.word
             if begun and (word.startswith(begun) or begun.startswith(word)):
                 masses[candidate] += math.exp(min(0.0, logprob))
     total = sum(masses.values())

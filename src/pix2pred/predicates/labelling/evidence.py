@@ -19,6 +19,7 @@ from pix2pred.predicates.labelling.table import Labelling
 from pix2pred.predicates.prompt import atom_text
 from pix2pred.structs import Box, Demo
 from pix2pred.structs.formats.documents import Document
+from pix2pred.system.errors import Pix2predError
 
 EVIDENCE = "labels/evidence.json"
 """Where a run keeps it."""
@@ -27,7 +28,7 @@ Corners = tuple[float, float, float, float]
 """left, top, right, bottom in the picture's pixels; right and bottom are exclusive."""
 
 
-class EvidenceError(ValueError):
+class EvidenceError(Pix2predError, ValueError):
     """A file that is not evidence of a version this program reads."""
 
 

@@ -13,8 +13,16 @@ from pix2pred.predicates.labelling.asking import READ, Asker, Gap
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
-from pix2pred.structs import FALSE, Action, Atom, Demo, Object, State
+from pix2pred.structs import (
+    Action,
+    Atom,
+    Demo,
+    Label,
+    Object,
+    State,
+)
 from pix2pred.structs.views import View
+from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, Answer, Request
 from pix2pred.vlm.request import Part
 
@@ -27,7 +35,7 @@ class StateLabels:
     ``text`` then lists the values carried over. ``gaps`` names the atoms that no answer gave a value.
     """
 
-    values: dict[Atom, int]
+    values: dict[Atom, Label]
     text: str
     counts: Counter[str] = field(default_factory=Counter)
     unusable: str = ""
@@ -35,7 +43,7 @@ class StateLabels:
     gaps: tuple[Gap, ...] = ()
 
 
-class UnusableAnswersError(RuntimeError):
+class UnusableAnswersError(Pix2predError, RuntimeError):
     """A model whose answers hold no label at all: taking them for False would invent a world."""
 
     @classmethod
@@ -207,10 +215,10 @@ def _listed(batch: Sequence[Atom]) -> str:
     return "\n".join(dict.fromkeys(map(atom_text, batch)))
 
 
-def _labels(asker: Asker, batch: Sequence[Atom], carried: Mapping[Atom, int]) -> StateLabels:
+def _labels(asker: Asker, batch: Sequence[Atom], carried: Mapping[Atom, Label]) -> StateLabels:
     """Labels of a batch; atoms left without a value keep ``carried``, or else are false."""
     asked = asker.ask(batch)
-    values = {a: asked.values.get(a, carried.get(a, FALSE)) for a in batch}
+    values = {a: asked.values.get(a, carried.get(a, Label.FALSE)) for a in batch}
     counts = asked.counts + Counter({"missing": len(values) - len(asked.values)})
     text = "\n\n".join(asked.texts) or value_lines({atom_text(a): value for a, value in values.items()})
     return StateLabels(values, text, counts, "" if asked.values else asked.useless, asked.confidence, asker.gaps(asked))
@@ -218,7 +226,7 @@ def _labels(asker: Asker, batch: Sequence[Atom], carried: Mapping[Atom, int]) ->
 
 def _merged(parts: Sequence[StateLabels]) -> StateLabels:
     """The labels of all batches of one state."""
-    values: dict[Atom, int] = {}
+    values: dict[Atom, Label] = {}
     confidence: dict[Atom, float] = {}
     for part in parts:
         values |= part.values

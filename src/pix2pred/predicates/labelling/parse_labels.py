@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from pix2pred.predicates.proposing.parse_atoms import clean, kept, mentions
-from pix2pred.structs import FALSE, TRUE, UNKNOWN
+from pix2pred.structs import Label
 
 _VALUE = re.compile(r"[ \t]*[:=][ \t]*([A-Za-z]+)")
 _LINE_VALUE = re.compile(r"[\"'_ \t]*(?:[:=|：→]|->|=>|-|–|—)[\"'_ \t]*([A-Za-z]+)")
@@ -16,7 +16,7 @@ _LINE_VALUE = re.compile(r"[\"'_ \t]*(?:[:=|：→]|->|=>|-|–|—)[\"'_ \t]*([
 _ATOM_AHEAD = r"(?![ \t]*[A-Za-z_][\w\-]*[ \t]*\([^()]*\)[ \t]*[:=])"
 _THIRD_SECTION = re.compile(rf"^[ \t#>\-]*(?:section[ \t]*)?3[.):]{_ATOM_AHEAD}", re.IGNORECASE | re.MULTILINE)
 _LINE_START = re.compile(r"\n[ \t>#+\-\d.)|\"'_•–]*\Z")
-_WORDS = {"true": TRUE, "false": FALSE, "unknown": UNKNOWN}
+_WORDS: Mapping[str, Label] = {label.word: label for label in Label}
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class ParsedLabels:
     word stands that gave an atom its value.
     """
 
-    values: dict[str, int]
+    values: dict[str, Label]
     missing: tuple[str, ...]
     other_words: int
     unasked: int
@@ -59,8 +59,8 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
         begins = [h.end() for h in _THIRD_SECTION.finditer(text) if h.end() <= statements[-1].start]
         statements = [s for s in statements if s.start >= max(begins, default=0)]
     asked = _Asked(queried)
-    inside: dict[str, tuple[int, int]] = {}
-    leading: dict[str, tuple[int, int]] = {}
+    inside: dict[str, tuple[Label, int]] = {}
+    leading: dict[str, tuple[Label, int]] = {}
     other_words = unasked = 0
     for statement in statements:
         atom = asked.find(statement.atom)
@@ -102,7 +102,6 @@ def _plain(atom: str) -> str:
     return re.sub(r"\s+", "", atom).replace("-", "_")
 
 
-def value_lines(values: dict[str, int]) -> str:
+def value_lines(values: Mapping[str, Label]) -> str:
     """The bare ``atom: value`` lines of labels, in their order."""
-    names = {TRUE: "True", FALSE: "False", UNKNOWN: "Unknown"}
-    return "\n".join(f"{atom}: {names[value]}" for atom, value in values.items())
+    return "\n".join(f"{atom}: {value.word.capitalize()}" for atom, value in values.items())

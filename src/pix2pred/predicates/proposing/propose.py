@@ -15,6 +15,7 @@ from pix2pred.predicates.prompt import action_text, fill, object_lines, views
 from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
 from pix2pred.structs.views import LONGEST_SIDE
+from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, Finish, NoAnswerError, Request, Review
 
 ANSWER_TOKENS = 8192
@@ -63,7 +64,7 @@ class Proposal:
     problem: str = ""
 
 
-class EmptyProposalError(RuntimeError):
+class EmptyProposalError(Pix2predError, RuntimeError):
     """No demonstration gave a single usable atom; ``proposals`` tell what was rejected and why."""
 
     def __init__(self, message: str, proposals: tuple[Proposal, ...]) -> None:

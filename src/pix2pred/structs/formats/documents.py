@@ -33,6 +33,7 @@ from pix2pred.structs.predicates import (
     source_name,
 )
 from pix2pred.structs.skills import Action, Skill
+from pix2pred.system.errors import Pix2predError
 
 T = TypeVar("T")
 
@@ -50,7 +51,7 @@ MAX_ANCESTORS = 50
 """Longer chains of parent types are refused: no domain has them, and they would exhaust the stack."""
 
 
-class UnknownNameError(ValueError):
+class UnknownNameError(Pix2predError, ValueError):
     """A name that was never declared."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:

@@ -17,12 +17,10 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from pix2pred.structs import (
-    FALSE,
-    TRUE,
-    UNKNOWN,
     Action,
     Atom,
     Candidate,
+    Label,
     LabelledDemo,
     Object,
     Predicate,
@@ -44,12 +42,13 @@ from pix2pred.structs.formats.documents import (
     skill_doc,
     type_doc,
 )
+from pix2pred.system.errors import Pix2predError
 
 MAX_BYTES = 1 << 30
 """Larger files, unpacked, are refused."""
 
 
-class TracesError(ValueError):
+class TracesError(Pix2predError, ValueError):
     """A file that does not follow the traces format; the message names the JSON path."""
 
 
@@ -195,10 +194,10 @@ class _Builder:
         ]
         atoms = tuple(sorted(set().union(*held, *unknown, *sure)))
         column = {a: i for i, a in enumerate(atoms)}
-        values = np.full((len(held), len(atoms)), FALSE, dtype=np.int8)
+        values = np.full((len(held), len(atoms)), Label.FALSE, dtype=np.int8)
         for t in range(len(held)):
-            values[t, [column[a] for a in held[t]]] = TRUE
-            values[t, [column[a] for a in unknown[t]]] = UNKNOWN
+            values[t, [column[a] for a in held[t]]] = Label.TRUE
+            values[t, [column[a] for a in unknown[t]]] = Label.UNKNOWN
         confidence = np.full(values.shape, np.nan, dtype=np.float32)
         for t, state in enumerate(sure):
             confidence[t, [column[a] for a in state]] = list(state.values())
@@ -261,10 +260,10 @@ def _demo_doc(demo: LabelledDemo) -> dict[str, Any]:
         "objects": {o.name: o.type.name for o in demo.objects},
         "goal": [_parts(a) for a in demo.goal],
         "actions": [[a.skill.name, *(o.name for o in a.objects)] for a in demo.actions],
-        "states": rows(TRUE),
+        "states": rows(Label.TRUE),
     }
-    if (demo.values == UNKNOWN).any():
-        doc["unknown"] = rows(UNKNOWN)
+    if (demo.values == Label.UNKNOWN).any():
+        doc["unknown"] = rows(Label.UNKNOWN)
     if demo.confidence is not None:
         doc["confidence"] = [
             [[_parts(demo.atoms[i]), round(float(row[i]), 4)] for i in np.flatnonzero(np.isfinite(row))]

@@ -24,11 +24,12 @@ from pix2pred.structs.formats.documents import (
     vocabulary_doc,
 )
 from pix2pred.structs.world_model import WorldModel
+from pix2pred.system.errors import Pix2predError
 
 VERSION = 1
 
 
-class ModelFileError(ValueError):
+class ModelFileError(Pix2predError, ValueError):
     """A file that is not a world model of a version this program reads."""
 
 

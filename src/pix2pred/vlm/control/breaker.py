@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 
+from pix2pred.system.errors import StoppedError
 from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, VLMError
 
 
-class UselessModelError(VLMError):
+class UselessModelError(StoppedError, VLMError):
     """Too many answers in a row from which nothing could be read."""
 
 

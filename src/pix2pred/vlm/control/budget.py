@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 
+from pix2pred.system.errors import StoppedError
 from pix2pred.vlm.request import VLM, Answer, Request, VLMError
 
 
-class BudgetError(VLMError):
+class BudgetError(StoppedError, VLMError):
     """The budget is used up. What was answered is stored."""
 
 

@@ -1,0 +1,1 @@
+"""The folder of a run, and learning, solving and planning into one."""

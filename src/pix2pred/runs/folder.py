@@ -1,0 +1,115 @@
+"""The folder of a run: what was asked, what came of it, and nothing half-written.
+
+    config.yaml                  the resolved settings, the data and the model that labelled it
+    answers/, blobs/             the answer store (unless another one was named)
+    proposals.json               accepted and rejected atoms per demonstration
+    labels/as_said.json          the truth table as the model gave it
+    labels/evidence.json         its explanations, and the pictures and boxes it saw
+    corrections.jsonl            what a person set right, a row each; only ever appended to
+    labels/traces.json           the corrected truth table, readable by ``pix2pred select``
+    labels/doubts.json           labels that are probably wrong, the most useful to check first
+    selection.json               the climb, step by step
+    history/<n>.json             the same as it was with the first n corrections
+    model/                       world_model.json, domain.pddl, samplers.npz (for skills with continuous parameters)
+    metrics.json, timings.json   counts; seconds and queries
+    solve/<name>/<task>.json     one file per episode
+    report.html                  all of it to look at, made anew after every command; previews/ are its pictures
+
+Every file is written under another name and renamed. All but ``timings.json`` and
+corrections have the same bytes for the same inputs.
+"""
+
+from __future__ import annotations
+
+from pix2pred.system.errors import Pix2predError
+
+import fcntl
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pix2pred.system.files import remove_abandoned, write_whole
+
+
+class RunFolderError(Pix2predError, ValueError):
+    """A folder that cannot serve for this run; the message says why and what to do."""
+
+
+class RunFolder:
+    """A run's folder. ``name`` arguments are paths inside it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    @contextmanager
+    def locked(self) -> Iterator[RunFolder]:
+        """Hold the folder for this process. Raises ``RunFolderError`` when another one works in it."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise RunFolderError(f"{self.path}: cannot be used as a run folder ({error.strerror})") from error
+        path = self.path / ".lock"
+        is_new = not path.exists()
+        with path.open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
+            try:
+                yield self
+            except RunFolderError:
+                if is_new:
+                    path.unlink(missing_ok=True)  # refused: leave the folder as it was
+                raise
+
+    def claim(self, config: Mapping[str, Any]) -> None:
+        """Record ``config``, or check that the folder was made with the same one and can be resumed."""
+        text = yaml.safe_dump(dict(config), sort_keys=True, allow_unicode=True)
+        path = self.path / "config.yaml"
+        if not path.exists():
+            foreign = [
+                p.name for p in self.path.iterdir() if p.name != ".lock" and not p.name.startswith(".config.yaml.")
+            ]
+            if foreign:
+                raise RunFolderError(f"{self.path}: is not a run folder and not empty ({sorted(foreign)[0]} is in it)")
+            self.write("config.yaml", text)
+            return
+        found = self.config()
+        remove_abandoned(self.path)
+        if found != yaml.safe_load(text):
+            keys = sorted(k for k in {*found, *config} if found.get(k) != dict(config).get(k))
+            raise RunFolderError(
+                f"{self.path}: holds a run with another {', '.join(keys)}; choose another folder with --out, "
+                "or delete this one to start over"
+            )
+
+    def write(self, name: str, text: str) -> Path:
+        """Write a text file, which appears complete or not at all."""
+        return self.write_bytes(name, text.encode())
+
+    def write_bytes(self, name: str, content: bytes) -> Path:
+        """Write a file, which appears complete or not at all."""
+        path = self.path / name
+        write_whole(path, content)
+        return path
+
+    def write_json(self, name: str, data: Any) -> Path:
+        """Write a JSON file."""
+        return self.write(name, json.dumps(data, indent=1) + "\n")
+
+    def config(self) -> dict[str, Any]:
+        """What the run was made with. Raises ``RunFolderError`` when the folder holds no run."""
+        path = self.path / "config.yaml"
+        if not path.is_file():
+            raise RunFolderError(f"{self.path}: holds no run (no config.yaml); make one with 'pix2pred learn'")
+        try:
+            config = yaml.safe_load(path.read_text(encoding="utf-8"))
+        except (ValueError, yaml.YAMLError) as error:
+            raise RunFolderError(f"{path}: is damaged ({' '.join(str(error).split())[:200]})") from error
+        if not isinstance(config, dict):
+            raise RunFolderError(f"{path}: is damaged (not a mapping); delete the folder to start over")
+        return config
