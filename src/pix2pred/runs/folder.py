@@ -21,8 +21,6 @@ corrections have the same bytes for the same inputs.
 
 from __future__ import annotations
 
-from pix2pred.system.errors import Pix2predError
-
 import fcntl
 import json
 from collections.abc import Iterator, Mapping
@@ -32,6 +30,7 @@ from typing import Any
 
 import yaml
 
+from pix2pred.system.errors import Pix2predError
 from pix2pred.system.files import remove_abandoned, write_whole
 
 
