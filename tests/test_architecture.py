@@ -88,6 +88,28 @@ def test_rooms_hold_few_files_at_one_level() -> None:
             assert len(list(folder.glob("*.py"))) <= MOST_FILES, folder
 
 
+def _protocol_members() -> set[str]:
+    """Names that a documented interface of the package explains."""
+    found = set()
+    for path in _sources():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef) and any("Protocol" in ast.unparse(base) for base in node.bases):
+                found |= {m.name for m in node.body if isinstance(m, ast.FunctionDef) and ast.get_docstring(m)}
+    return found
+
+
+def test_public_methods_have_a_docstring_here_or_in_the_interface_they_implement() -> None:
+    explained = _protocol_members()
+    for path in _sources():
+        for node in ast.walk(ast.parse(path.read_text())):
+            for member in node.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_") else ():
+                if isinstance(member, ast.FunctionDef) and not member.name.startswith("_"):
+                    is_setter = any(ast.unparse(d).endswith(".setter") for d in member.decorator_list)
+                    assert ast.get_docstring(member) or is_setter or member.name in explained, (
+                        f"{path}: {node.name}.{member.name} says nowhere what it does"
+                    )
+
+
 def test_learning_never_asks_a_model() -> None:
     for path in (ROOT / "learning").rglob("*.py"):
         assert not {"vlm", "images", "predicates", "demos"} & set(_imports(path)), path

@@ -218,19 +218,15 @@ class Names:
     """Names to objects, for workers that look them up themselves; see ``benchmark.cells.Catalogue``."""
 
     def domain(self, name: str) -> Domain:
-        """See ``load_domain``."""
         return load_domain(name)
 
     def vlm(self, spec: str, domain: str | None) -> VLM:
-        """See ``load_vlm``."""
         return load_vlm(spec, domain)
 
     def approach(self, name: str) -> Approach:
-        """See ``load_approach``."""
         return load_approach(name)
 
     def truth(self, domain: Domain, environment: Environment) -> TruthOf | None:
-        """See ``word_truth``."""
         return word_truth(domain, environment)
 
 

@@ -94,7 +94,6 @@ class ModelAgent:
 
     @property
     def plans_with(self) -> ModelAgent:
-        """See ``Agent``."""
         return self
 
     @property
@@ -104,7 +103,6 @@ class ModelAgent:
 
     @property
     def summary(self) -> Mapping[str, Any]:
-        """See ``Agent``."""
         table, selection = self.learned.labelling.table, self.learned.selection
         return {
             "candidates": len(table.candidates()),
@@ -116,7 +114,7 @@ class ModelAgent:
         }
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
-        """See ``Agent``; open loop, as the paper does in simulation."""
+        """Open loop, as the paper does in simulation."""
         labeller = Labeller(self.training.vlm, self.training.settings.labels)
         solver = Solver(self.model, self.training.planner, labeller, samplers=self.learned.samplers)
         return solver.solve(task, environment, truth)
@@ -172,7 +170,6 @@ class Composition:
         return replace(self, pool=pool)
 
     def train(self, training: Training, progress: Progress = silent) -> ModelAgent:
-        """See ``Approach``."""
         adjusted = replace(training, settings=self.adjust(training.settings))
         learned = learn(
             adjusted.vocabulary,

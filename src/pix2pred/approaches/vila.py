@@ -30,7 +30,6 @@ class ViLa:
     needs_model: bool = True
 
     def train(self, training: Training, progress: Progress = silent) -> ViLaAgent:
-        """See ``Approach``."""
         shown = tuple(training.demos)[: training.shown_demos] if self.shows_demos else ()
         return ViLaAgent(training, shown)
 
@@ -46,11 +45,9 @@ class ViLaAgent:
 
     @property
     def summary(self) -> Mapping[str, Any]:
-        """See ``Agent``."""
         return {"shown_demos": len(self.shown)}
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
-        """See ``Agent``."""
         vocabulary = self.training.vocabulary
         answer = self.training.vlm.answer(self.request(task)).text
         try:

@@ -67,7 +67,7 @@ class VLMFeaturePredicates:
     limits: Limits = LIMITS
 
     def train(self, training: Training, progress: Progress = silent) -> CodeAgent:
-        """See ``Approach``. Raises ``SandboxError`` where code cannot be confined."""
+        """Raises ``SandboxError`` where code cannot be confined."""
         pool, demos = self.written_pool(training, progress)
         candidates = tuple(Candidate(p, float(p.arity)) for p in pool.code)
 
@@ -119,12 +119,10 @@ class CodeAgent:
 
     @property
     def plans_with(self) -> ModelAgent:
-        """See ``Agent``."""
         return self.agent
 
     @property
     def summary(self) -> Mapping[str, Any]:
-        """See ``Agent``."""
         return {
             **self.agent.summary,
             "written": len(self.pool.code),
@@ -132,7 +130,6 @@ class CodeAgent:
         }
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
-        """See ``Agent``."""
         used = {p: c for p, c in self.pool.code.items() if p in self.agent.model.selected}
         (initial,) = CodePool(used, ()).values([task.initial], task.objects, self.limits)
         return self.agent.solve(replace(task, initial=initial), environment, truth)

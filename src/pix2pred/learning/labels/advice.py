@@ -193,7 +193,6 @@ class _Remembered:
         self._known: dict[tuple[Strips | None, int], DemoScore] = {}
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
-        """See ``SkeletonSearch``."""
         known = self._known.get((task, states))
         if known is None or not (known.exact or known.value > bound):
             known = self._known[task, states] = self._search(task, states, bound)

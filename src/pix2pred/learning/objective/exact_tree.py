@@ -25,7 +25,6 @@ class ExactTree:
     epsilon: float = 1e-4
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
-        """See ``SkeletonSearch``."""
         if task is None:
             return UNREACHABLE
         estimate = LMCut(task)

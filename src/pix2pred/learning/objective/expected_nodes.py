@@ -61,7 +61,6 @@ class Grouped:
     epsilon: float = 0.01
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
-        """See ``SkeletonSearch``."""
         if task is None:
             return UNREACHABLE
         search = _GroupedSearch(task)

@@ -58,23 +58,18 @@ class ClusterAndIntersect:
         self._settings = settings
 
     def partition(self, predicates: Sequence[int]) -> Partition:
-        """See ``OperatorLearner``."""
         return partition(self.data, predicates)
 
     def refine(self, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
-        """See ``OperatorLearner``."""
         return refine(self.data, classes, predicates, added)
 
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
-        """See ``OperatorLearner``."""
         return schemas(self.data, classes, predicates, self._settings)
 
     def price(self, candidate: int) -> float:
-        """See ``OperatorLearner``."""
         return self.data.cost(candidate)
 
     def doubt(self, candidate: int) -> float:
-        """See ``OperatorLearner``."""
         return 0.0
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:

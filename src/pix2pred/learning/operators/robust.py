@@ -54,7 +54,6 @@ class Robust:
         self.unreliable = frozenset(p for p in noisy if self._repaired.surprise[p] > UNRELIABLE and p >= data.initial)
 
     def partition(self, predicates: Sequence[int]) -> Partition:
-        """See ``OperatorLearner``."""
         classes = self._base
         seen = [p for p in predicates if p in self._exact]
         for p in predicates:
@@ -64,7 +63,6 @@ class Robust:
         return classes
 
     def refine(self, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
-        """See ``OperatorLearner``."""
         effects: dict[int, list[tuple[tuple[int, ...], int]]] = {}
         for (c, variables), effect in sorted(self._repaired.effects[added].items()):
             effects.setdefault(c, []).append((variables, effect))
@@ -119,19 +117,17 @@ class Robust:
         ]
 
     def price(self, candidate: int) -> float:
-        """See ``OperatorLearner``."""
         return self.data.cost(candidate) + DOUBT * self._repaired.surprise[candidate]
 
     def doubt(self, candidate: int) -> float:
-        """See ``OperatorLearner``. As many wrong labels as candidates usually have are no reason to doubt one."""
+        """As many wrong labels as candidates usually have are no reason to doubt one."""
         return max(0.0, self._repaired.surprise[candidate] - self._usual)
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
-        """See ``OperatorLearner``. The labels of a candidate are explained as well as they ever will be."""
+        """The labels of a candidate are explained as well as they ever will be."""
         return self._repaired.surprise[chosen[-1]]
 
     def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
-        """See ``OperatorLearner``."""
         return [
             Schema(number, cls, tuple((p, v) for p in sorted(predicates) for v in self._required(cls, p)))
             for number, cls in enumerate(classes)

@@ -79,30 +79,27 @@ class Published:
     looks_back: bool = False
 
     def finished(self, reached: Score) -> bool:
-        """See ``ClimbingRule``."""
         return self.early_stop == "level" and reached.total <= self.j_threshold
 
     def ceiling(self, j: float, doubt: float) -> float:
-        """See ``ClimbingRule``. Labels are taken at their word."""
+        """Labels are taken at their word."""
         return j + self.margin
 
     def choose(self, learner: OperatorLearner, scored: Sequence[Scored], *, trial: bool = False) -> Scored:
-        """See ``ClimbingRule``."""
         smallest = min(s.score.total for s in scored)
         rivals = [s for s in scored if s.score.total <= self.ceiling(smallest, 0.0)]
         return rivals[0] if self.margin == 0 or len(rivals) == 1 else best_explained(learner, rivals)
 
     def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
-        """See ``ClimbingRule``. Under the improvement rule the last candidate, which buys too little, is not added
+        """Under the improvement rule the last candidate, which buys too little, is not added
         (method 14.2)."""
         return self.early_stop == "level" or before.total - after.total > self.j_threshold
 
     def hopeful(self, reached: Score, trials: int) -> bool:
-        """See ``ClimbingRule``."""
         return False
 
     def as_good(self, fewer: Score, reached: Score) -> bool:
-        """See ``ClimbingRule``: whether the early stop would not have asked for the predicate."""
+        """Whether the early stop would not have asked for the predicate."""
         if self.early_stop == "improvement":
             return fewer.total - reached.total <= self.j_threshold
         return fewer.total <= max(reached.total, self.j_threshold)
@@ -129,15 +126,12 @@ class Explained:
     """How much more J counts per share of labels not accounted for: twice as much when one label in ten is not."""
 
     def finished(self, reached: Score) -> bool:
-        """See ``ClimbingRule``."""
         return False
 
     def ceiling(self, j: float, doubt: float) -> float:
-        """See ``ClimbingRule``."""
         return self._weighed(j, doubt) * (1 + self.tolerance) + 1
 
     def choose(self, learner: OperatorLearner, scored: Sequence[Scored], *, trial: bool = False) -> Scored:
-        """See ``ClimbingRule``."""
         weighed = {s.predicate: self._weighed(s.score.total, learner.doubt(s.predicate)) for s in scored}
         best = min(scored, key=lambda s: weighed[s.predicate])
         if trial:  # charges are most of J and the same for all, so that nearly all would compete
@@ -165,19 +159,15 @@ class Explained:
         return j * (1 + self.scepticism * doubt)
 
     def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
-        """See ``ClimbingRule``."""
         saved = before.charges - after.charges
         return saved >= BACKTRACK / 2 or self._weighed(after.total, doubt) <= self.drop * before.total
 
     def hopeful(self, reached: Score, trials: int) -> bool:
-        """See ``ClimbingRule``."""
         return reached.charges >= BACKTRACK / 2 and trials <= self.trials
 
     @property
     def looks_back(self) -> bool:
-        """See ``ClimbingRule``."""
         return True
 
     def as_good(self, fewer: Score, reached: Score) -> bool:
-        """See ``ClimbingRule``."""
         return fewer.total <= self.ceiling(reached.total, 0.0) and fewer.charges <= reached.charges + BACKTRACK / 2
