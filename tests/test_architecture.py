@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ import pytest
 import pix2pred
 
 ROOT = Path(pix2pred.__file__).parent
+DOCS = Path(__file__).parents[1] / "docs"
 MAY_IMPORT: dict[str, set[str]] = {
     "system": set(),
     "structs": {"system"},
@@ -134,3 +136,12 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     code = "import sys, pix2pred; print(sorted({'numpy', 'PIL', 'pydantic', 'sklearn'} & set(sys.modules)))"
     printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert printed.strip() == "[]"
+
+
+def test_docstrings_point_to_sections_that_exist() -> None:
+    headings = set(
+        re.findall(r"^#+ (\d+(?:\.\d+)?)\.? ", (DOCS / "method.md").read_text(encoding="utf-8"), re.MULTILINE)
+    )
+    for path in _sources():
+        cited = re.findall(r"\bmethod (\d+(?:\.\d+)?)", path.read_text())
+        assert set(cited) <= headings, path

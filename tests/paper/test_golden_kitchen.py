@@ -1,4 +1,4 @@
-"""With perfect labels Kitchen's two printed operators, and one predicate that says a burner is on (method 14.2)."""
+"""With perfect labels Kitchen's two printed operators, and one predicate that says a burner is on (method 12.2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""With perfect labels the printed operators, the order of selection and its stopping step (method 14.2)."""
+"""With perfect labels the printed operators, the order of selection and its stopping step (method 12.2)."""
 
 from __future__ import annotations
 

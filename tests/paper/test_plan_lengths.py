@@ -1,4 +1,4 @@
-"""Plan lengths with the printed operators (method 14.1), and the structural laws of all 60 (14.4)."""
+"""Plan lengths with the printed operators (method 12.1), and the structural laws of all 60 (12.3)."""
 
 from __future__ import annotations
 

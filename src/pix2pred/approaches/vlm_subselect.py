@@ -1,4 +1,4 @@
-"""The model itself chooses: it is asked for the critical predicates only, and all it names are kept (method 12.38).
+"""The model itself chooses: it is asked for the critical predicates only, and all it names are kept (method 9).
 
 Hill climbing then chooses among the feature predicates, with the model's choice given.
 """

@@ -1,4 +1,4 @@
-"""Where a failure comes from: plan again with true labels, then learn again with true labels (method 11.2, item 5)."""
+"""Where a failure comes from: plan again with true labels, then learn again with true labels (method 8.4)."""
 
 from __future__ import annotations
 

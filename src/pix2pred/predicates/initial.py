@@ -1,4 +1,4 @@
-"""Values of predicates that no query is needed for, by their source (design: initial predicates declare a source)."""
+"""Values of predicates that no query is needed for, by their source (method 1.5)."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class BurgerDomain:
         return dict(self._family(family).settings)
 
     def demonstrations(self, family: str, seed: int) -> Sequence[Demo]:
-        """The 12 rendered demonstrations, in the order of method 14.2."""
+        """The 12 rendered demonstrations, in the order of method 12.2."""
         chosen = self._family(family)
         demos = []
         for index, recipe in enumerate(chosen.demonstrations):

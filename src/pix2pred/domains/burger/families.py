@@ -1,4 +1,4 @@
-"""The task families as data (method 10.2, order of demonstrations 14.2): reads ``families.yaml``."""
+"""The task families as data (method 10.2, order of demonstrations 12.2): reads ``families.yaml``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from pix2pred.domains.burger.vocabulary import (
 from pix2pred.structs import Action, Application, Atom, Object, Predicate, Vocabulary, parse_application
 
 Variant = Literal["paper", "reference"]
-"""Which test tasks: those the paper describes or those of the reference (they differ for Combo, method 12.32)."""
+"""Which test tasks: those the paper describes or those of the reference (they differ for Combo, method 10.2)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ def scene_generator(seed: int, split: Split, family: int, index: int) -> np.rand
 def initial_world(scene: Scene, rng: np.random.Generator, held_z: int = 1) -> World:
     """A uniform shuffle of ``scene`` over the 12 edge cells that are not corners.
 
-    ``held_z`` is the z of an item held from the start: 1, or 0 as in the reference (method 12.34). Raises
+    ``held_z`` is the z of an item held from the start: 1, or 0 as in the reference (method 10.2). Raises
     ``ValueError`` when there are more things than cells.
     """
     loose = [(name, kind) for name, kind in scene.things if name != scene.held and name not in scene.start]

@@ -34,7 +34,7 @@ class Recipe:
 
 
 DEMONSTRATIONS = (Recipe(2, False), Recipe(1, True), Recipe(1, False), Recipe(1, True), Recipe(1, False))
-"""Two cups first: the printed operators are numbered in this order (method 14.2)."""
+"""Two cups first: the printed operators are numbered in this order (method 12.2)."""
 
 
 @dataclass(frozen=True, slots=True)

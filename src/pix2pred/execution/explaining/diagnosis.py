@@ -1,4 +1,4 @@
-"""Telling wrong labels from a wrong model, after the fact (design: an episode says why it failed)."""
+"""Telling wrong labels from a wrong model, after the fact (method 8.4)."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ class ExactTree:
     """Ties are broken by a random number drawn at every push from a generator seeded with ``seed``.
 
     Dead ends are counted as created but never queued, and the search stops when what can still come changes J_d by less
-    than ``epsilon``: neither changes the value by more (engine, items 2 and 3).
+    than ``epsilon``: neither changes the value by more (method 6.5, items 2 and 3).
     """
 
     max_plans: int

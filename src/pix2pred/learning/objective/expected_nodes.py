@@ -1,4 +1,4 @@
-"""J_d by expected counts: nodes with equal (state, g) are one node with a multiplicity (engine, "grouped").
+"""J_d by expected counts: nodes with equal (state, g) are one node with a multiplicity (method 6.6).
 
 A* with uniformly random ties works through plateaus: all nodes with one value of f. A node of a plateau is popped when
 its tie-break value comes up, at a time t in [0, 1], but not before its parent. A node with ``e`` plateau nodes on

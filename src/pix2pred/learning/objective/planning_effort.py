@@ -67,7 +67,7 @@ class Effort:
         self.count += 1
 
     def settled(self, shortest: int, nodes: float, epsilon: float) -> bool:
-        """Whether skeletons of ``shortest`` states or more change J_d by less than ``epsilon`` (engine, item 3)."""
+        """Whether skeletons of ``shortest`` states or more change J_d by less than ``epsilon`` (method 6.5, item 3)."""
         remaining = self.max_plans - self.count
         chance = min(1.0, remaining * self.refinability(max(self.states, shortest)))
         return remaining <= 0 or self.left * chance * max(UPPER_BOUND, nodes + BACKTRACK) < epsilon

@@ -2,7 +2,7 @@
 
 Unification is an equivalence relation, so joining the first class that unifies gives the equivalence classes, in order
 of their first member. A class of a larger predicate set is part of a class of a smaller one: adding a predicate only
-re-partitions the classes in which that predicate changes (engine, item 7).
+re-partitions the classes in which that predicate changes (method 6.5, item 7).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Hill climbing over predicate subsets (method 6.3), with candidates of equal truth columns scored once (engine, 4)."""
+"""Hill climbing over predicate subsets (method 6.3), with candidates of equal truth columns scored once (method 6.5, item 4)."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ class HillClimbing:
         """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.
 
         The sets with the smallest sums so far are taken to the next demonstration, the easiest one first, until no
-        sum can compete with the best any more (engine, item 6, best-first). They are taken in batches of a fixed size,
+        sum can compete with the best any more (method 6.5, item 6). They are taken in batches of a fixed size,
         which workers may share, so that results do not depend on the number of workers.
         """
         data = self._data

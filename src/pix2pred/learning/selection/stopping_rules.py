@@ -70,7 +70,7 @@ def best_explained(learner: OperatorLearner, rivals: Sequence[Scored]) -> Scored
 class Published:
     """The published rules: a threshold on J or on its last improvement, and the strictly smallest J, first by name.
 
-    With ``margin`` above 0 all candidates within it compete, and the best explained wins (engine, ties).
+    With ``margin`` above 0 all candidates within it compete, and the best explained wins (method 6.3, ties).
     """
 
     early_stop: Literal["level", "improvement"]
@@ -92,7 +92,7 @@ class Published:
 
     def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
         """Under the improvement rule the last candidate, which buys too little, is not added
-        (method 14.2)."""
+        (method 12.2)."""
         return self.early_stop == "level" or before.total - after.total > self.j_threshold
 
     def hopeful(self, reached: Score, trials: int) -> bool:
