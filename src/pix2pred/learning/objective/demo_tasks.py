@@ -1,7 +1,7 @@
 """Demonstrations as small planning tasks: grounding learned operators and simplifying (method 6.5, items 1 and 5).
 
 Operators with few parameters are grounded once per set of objects, over all of them, and shared by all candidate sets.
-Wrong labels can give operators of eight parameters and more; then only reachable instances are made (method 6.5, item 8).
+Wrong labels can give operators of eight parameters and more: then only reachable instances are made (6.5, item 8).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Hill climbing over predicate subsets (method 6.3), with candidates of equal truth columns scored once (method 6.5, item 4)."""
+"""Hill climbing over predicate subsets (method 6.3); candidates of equal truth columns are scored once (method 6.5)."""
 
 from __future__ import annotations
 
