@@ -87,6 +87,7 @@ def test_a_project_reads_back_equal(tmp_path: Path) -> None:
     simulator = {"domain": "burger", "family": "more-stacks"}
     write_project(tmp_path / "p", VOCABULARY, demos, [task()], simulator, learning)
     assert read_project(tmp_path / "p") == Project(VOCABULARY, demos, learning, simulator)
+    assert [p.source for p in read_project(tmp_path / "p").vocabulary.initial] == [p.source for p in VOCABULARY.initial]
     (stored,) = read_tasks(tmp_path / "p", VOCABULARY)
     assert (stored.task, stored.simulator) == (task().task, task().simulator)
     assert check_project(tmp_path / "p") == []

@@ -65,6 +65,7 @@ def test_a_model_with_every_source_loads_back_equal(tmp_path: Path) -> None:
     (tmp_path / "m.json").write_text(dump_model(MODEL))
     loaded = load_model(tmp_path / "m.json")
     assert loaded == MODEL
+    assert [p.source for p in loaded.predicates] == [p.source for p in MODEL.predicates]
     assert dump_model(loaded) == dump_model(MODEL)
     assert loaded.predicates == tuple(sorted((*INITIAL, *SELECTED)))
 

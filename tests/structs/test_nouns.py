@@ -11,6 +11,8 @@ from pix2pred.structs import (
     Action,
     Application,
     FromDomain,
+    FromHuman,
+    FromVLM,
     LiftedAtom,
     Object,
     Operator,
@@ -148,3 +150,13 @@ def test_actions_print_plain_numbers() -> None:
     assert str(Action(PICK, (robot, cup), params)) == "Pick(r, c2)[0.5, 0.25, 1.0]"
     assert str(Action(PICK, (robot, cup))) == "Pick(r, c2)"
     assert Action(PICK, (robot, cup)).typed == "Pick[r:robot, c2:cup]"
+
+
+def test_where_values_come_from_is_no_part_of_a_predicate() -> None:
+    listed, asked = Predicate("On", (ITEM, THING), FromHuman()), Predicate("On", (ITEM, THING), FromVLM("on"))
+    assert ON == listed == asked
+    assert len({hash(p) for p in (ON, listed, asked)}) == 1
+    cup, tray = OBJECTS[0], OBJECTS[2]
+    assert ON(cup, tray) in frozenset({asked(cup, tray)})
+    assert Predicate("On", (THING, THING), FromDomain()) != ON
+    assert Predicate("Under", (ITEM, THING), FromDomain()) != ON

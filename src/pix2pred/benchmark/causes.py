@@ -85,9 +85,7 @@ def _solves(agent: ModelAgent, task: Task, environment: Environment, truth: Trut
     """Whether ``agent``'s model, with true labels of the initial state, gives a plan that works."""
     environment.reset()
     state = _true_state(agent, task, truth, frozenset(episode.labels))
-    named = {p.name: p for p in agent.model.predicates}
-    goal = [Atom(named.get(a.predicate.name, a.predicate), a.objects) for a in task.goal]
-    found = agent.training.planner.plan(agent.model.operators, task.objects, state, goal)
+    found = agent.training.planner.plan(agent.model.operators, task.objects, state, task.goal)
     parameters = Parameters.for_task(agent.learned.samplers, 0, task)
     return found.status == PlanStatus.SOLVED and open_loop(found.plan, environment, parameters).goal_reached
 

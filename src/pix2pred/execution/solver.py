@@ -10,7 +10,7 @@ from pix2pred.execution.explaining.diagnosis import TruthOf, correct_labels, wro
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Abstraction, Labeller
-from pix2pred.structs import AbstractState, Atom, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
+from pix2pred.structs import AbstractState, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.samplers import Sampler
 
@@ -34,7 +34,6 @@ class Solver:
 
     def plan(self, task: Task) -> tuple[AbstractState, PlanResult]:
         """What is seen of the initial state, and the plan made from it. Needs no simulator."""
-        task = self.in_our_words(task)
         seen = self.abstraction(task).start(task.initial)
         return seen, self.plan_from(task, seen)
 
@@ -50,7 +49,6 @@ class Solver:
         ``announce`` is told every step before it is run.
         """
         environment.reset()
-        task = self.in_our_words(task)
         abstraction = self.abstraction(task)
         seen = abstraction.start(task.initial)
         result = self.plan_from(task, seen)
@@ -76,12 +74,6 @@ class Solver:
             outcome.replans if outcome else 0,
         )
 
-    def in_our_words(self, task: Task) -> Task:
-        """``task`` with its goal over the model's predicates: a simulator knows their names, not their sources."""
-        known = {p.name: p for p in self.model.predicates}
-        goal = tuple(Atom(known.get(a.predicate.name, a.predicate), a.objects) for a in task.goal)
-        return Task(task.name, task.objects, task.initial, goal)
-
     def abstraction(self, task: Task) -> Abstraction:
         """What labels the states of one episode of ``task``."""
         return Abstraction(task.objects, self.model.predicates, self.labeller)
@@ -90,7 +82,7 @@ class Solver:
         return Parameters.for_task(self.samplers, self.seed, task, announce)
 
     def plan_from(self, task: Task, seen: AbstractState) -> PlanResult:
-        """A plan for ``task``, which is in the model's words, from the state ``seen``."""
+        """A plan for ``task`` from the state ``seen``."""
         found = self.planner.plan(self.model.operators, task.objects, seen, task.goal)
         if len(found.plan) > self.max_skills:
             return PlanResult(PlanStatus.BUDGET, (), found.nodes, found.seconds)

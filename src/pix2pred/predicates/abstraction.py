@@ -28,7 +28,6 @@ class Abstraction:
     def __init__(self, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: Labeller) -> None:
         self._objects = objects
         self._labeller = labeller
-        self._by_name = {p.name: p for p in predicates}
         atoms = ground_atoms(predicates, objects)
         self._asked = [a for a in atoms if is_asked(a)]
         self._local = [a for a in atoms if not is_asked(a)]
@@ -38,7 +37,6 @@ class Abstraction:
 
     def start(self, state: State) -> AbstractState:
         """The atoms that hold in the first state."""
-        state = self._in_our_words(state)
         self._states, self._actions = [state], []
         if self._asked:
             self._labels = self._labeller.first(state, self._objects, self._asked, about="episode, state 0")
@@ -48,7 +46,6 @@ class Abstraction:
 
     def advance(self, action: Action, state: State) -> AbstractState:
         """The atoms that hold in the state after ``action``."""
-        state = self._in_our_words(state)
         before = self._states[-1]
         self._states.append(state)
         self._actions.append(action)
@@ -61,20 +58,13 @@ class Abstraction:
     def relist(self, given: Iterable[Atom]) -> AbstractState:
         """The atoms that hold in the latest state if ``given`` is what is listed there."""
         latest = self._states[-1]
-        self._states[-1] = self._in_our_words(State(latest.pictures, latest.features, frozenset(given)))
+        self._states[-1] = State(latest.pictures, latest.features, frozenset(given))
         return self._held()
 
     @property
     def labels(self) -> StateLabels:
         """What the model said about the latest state."""
         return self._labels
-
-    def _in_our_words(self, state: State) -> State:
-        """``state`` with given atoms over the model's predicates: a simulator knows their names, not their sources."""
-        given = (
-            Atom(self._by_name[a.predicate.name], a.objects) for a in state.given if a.predicate.name in self._by_name
-        )
-        return State(state.pictures, state.features, frozenset(given))
 
     def _held(self) -> AbstractState:
         local = {a for a in self._local if local_values(a, self._states, self._actions)[-1] == Label.TRUE}

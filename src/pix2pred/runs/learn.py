@@ -186,9 +186,13 @@ def _kept_samplers(before: WorldModel, samplers: Mapping[str, Sampler], after: W
 
 
 def _nameless(operator: Operator) -> Operator:
+    """``operator`` with the words that a model is asked with in place of the names people gave its predicates."""
+
     def atoms(lifted: frozenset[LiftedAtom]) -> frozenset[LiftedAtom]:
         return frozenset(
-            replace(a, predicate=replace(a.predicate, name="")) if isinstance(a.predicate.source, FromVLM) else a
+            replace(a, predicate=replace(a.predicate, name=f"asked {source.phrase}"))
+            if isinstance(source := a.predicate.source, FromVLM)
+            else a
             for a in lifted
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from pix2pred.structs.objects import Object, Type, Variable
@@ -74,12 +74,14 @@ def source_name(source: Source) -> SourceName:
 class Predicate:
     """A named relation over typed arguments; ``source`` says where its values come from.
 
-    Whether a predicate is initial (given) or selected is a fact about a world model, not about the predicate.
+    Name and types make a predicate what it is. The source is no part of that: what a simulator reports and what a
+    person lists are atoms of the same predicate. Whether a predicate is initial (given) or selected is a fact about a
+    world model, not about the predicate.
     """
 
     name: str
     types: tuple[Type, ...]
-    source: Source
+    source: Source = field(compare=False)
 
     @property
     def arity(self) -> int:

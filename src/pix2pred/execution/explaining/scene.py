@@ -28,8 +28,7 @@ from pix2pred.structs import (
 class PlannedScene:
     """What was seen of a task's initial state and the plan made from it.
 
-    ``task`` is in the model's words and ``labels`` are its answers; ``abstraction`` goes on from here when somebody
-    executes the plan.
+    ``labels`` are the model's answers; ``abstraction`` goes on from here when somebody executes the plan.
     """
 
     solver: Solver
@@ -103,7 +102,6 @@ def said(labels: StateLabels) -> dict[Atom, str]:
 
 def plan_scene(solver: Solver, task: Task) -> PlannedScene:
     """Label the photos of ``task``, and plan. Raises ``UnusableAnswersError`` when the model labels nothing."""
-    task = solver.in_our_words(task)
     abstraction = solver.abstraction(task)
     seen = abstraction.start(task.initial)
     return PlannedScene(solver, task, abstraction, abstraction.labels, seen, solver.plan_from(task, seen))
