@@ -103,8 +103,9 @@ def _protocol_members() -> set[str]:
 def test_public_methods_have_a_docstring_here_or_in_the_interface_they_implement() -> None:
     explained = _protocol_members()
     for path in _sources():
-        for node in ast.walk(ast.parse(path.read_text())):
-            for member in node.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_") else ():
+        classes = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.ClassDef)]
+        for node in classes:
+            for member in node.body if not node.name.startswith("_") else ():
                 if isinstance(member, ast.FunctionDef) and not member.name.startswith("_"):
                     is_setter = any(ast.unparse(d).endswith(".setter") for d in member.decorator_list)
                     assert ast.get_docstring(member) or is_setter or member.name in explained, (
