@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from pix2pred.execution import Guided, PlannedScene, Solver, plan_scene
+from pix2pred.execution.changes import signed
 from pix2pred.execution.explaining.missing import missing
 from pix2pred.execution.explaining.rests import Need, needs
 from pix2pred.execution.explaining.wording import in_words
@@ -176,13 +177,13 @@ def test_a_guided_execution_compares_and_plans_again() -> None:
     guided = Guided(planned([COLD, COLD, HOT_NOW, POURED, POURED], SERVED(C1)))
     assert [s.operator.name for s in guided.remaining] == ["Op0", "Op1", "Op2"]
     look = guided.observe(photo(1), told=False)  # the kettle stayed cold
-    assert (look.absent, look.surplus, look.replanned) == (("+hot0(k)",), (), True)
+    assert (signed(look.absent), look.surplus, look.replanned) == (("+hot0(k)",), (), True)
     assert guided.observe(photo(2), told=False).absent == ()
     look = guided.observe(photo(3), told=False)
-    assert (look.expected, look.absent) == (("+full0(c1)", "-empty0(c1)", "-hot0(k)"), ())
-    assert guided.expected_listed == ("+Served(c1)",)
+    assert (signed(look.expected), look.absent) == (("+full0(c1)", "-empty0(c1)", "-hot0(k)"), ())
+    assert signed(guided.expected_listed) == ("+Served(c1)",)
     look = guided.observe(photo(4), told=False)  # no photo shows whether it was served
-    assert look.assumed == ("+Served(c1)",) and guided.reached
+    assert signed(look.assumed) == ("+Served(c1)",) and guided.reached
     assert (guided.step, guided.ended, guided.replans) == (None, "", 1)
 
 
@@ -192,7 +193,7 @@ def test_what_no_photo_shows_is_not_assumed_when_the_rest_of_the_step_failed() -
     solver = Solver(model, Planner(AStar()), Labeller(Told([POURED]), LabelSettings(crops=False)))
     guided = Guided(plan_scene(solver, task(SERVED(C1))))
     look = guided.observe(photo(1), told=False)
-    assert look.absent == ("+Served(c1)", "+empty0(c1)", "-full0(c1)") and look.assumed == ()
+    assert signed(look.absent) == ("+Served(c1)", "+empty0(c1)", "-full0(c1)") and look.assumed == ()
     guided.observe(photo(2), told=False)  # failed again in a state that looks the same
     assert guided.step is None and "failed again" in guided.ended and not guided.reached
 

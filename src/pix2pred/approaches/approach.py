@@ -9,12 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from pix2pred.execution import Solver, TruthOf
+from pix2pred.execution.explaining.replayed_demos import TruthInDemo
 from pix2pred.learning.samplers.learn import learn_samplers
 from pix2pred.pipeline import Chooser, Learned, Pool, PoolMaker, Progress, Selected, Settings, climb, learn, silent
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Labeller
 from pix2pred.structs import (
-    Atom,
     Demo,
     Episode,
     FromVLM,
@@ -27,9 +27,6 @@ from pix2pred.structs import (
 )
 from pix2pred.structs.environment import Environment
 from pix2pred.vlm import VLM
-
-TruthInDemo = Callable[[int, int, Atom], bool | None]
-"""The true value of a visual atom in a state of a demonstration (by number); None for words without a truth."""
 
 
 @dataclass(frozen=True, slots=True)

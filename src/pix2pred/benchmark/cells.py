@@ -13,12 +13,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
-from pix2pred.approaches.approach import Agent, Approach, ModelAgent, Training, TruthInDemo
-from pix2pred.benchmark.causes import Replayable, cause_of, check_labels, training_errors, truths_of_demos
+from pix2pred.approaches.approach import Agent, Approach, ModelAgent, Training
+from pix2pred.benchmark.causes import cause_of, training_errors
 from pix2pred.benchmark.rows import Cause, Outcome, Row
 from pix2pred.benchmark.suite import FamilyEntry, Suite
 from pix2pred.benchmark.sweeps import NotAvailableError, Setting, tasks_for, vary
 from pix2pred.execution import TruthOf
+from pix2pred.execution.explaining.diagnosis import check_labels
+from pix2pred.execution.explaining.replayed_demos import Replayable, TruthInDemo, truths_of_demos
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.structs import Demo, Episode, Failure, Predicate
@@ -242,7 +244,7 @@ class _Cell:
         modelled = agent.plans_with
         if modelled is not None:
             environment.reset()
-            check = check_labels(episode, modelled, stored.task, truth)
+            check = check_labels(truth, frozenset(episode.labels), stored.task, modelled.model)
             known, wrong = check.known, len(check.wrong)
             if not episode.solved:
                 cause = cause_of(

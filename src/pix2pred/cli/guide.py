@@ -12,6 +12,7 @@ from pix2pred.cli.console import err, out, plain
 from pix2pred.demos import FolderError, Photographed, Problem, read_photo
 from pix2pred.demos.pictures import ENDINGS
 from pix2pred.execution import Guided, Look, Missing, PlannedScene
+from pix2pred.execution.changes import Change, effects, signed
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, SessionDoc
@@ -27,7 +28,7 @@ class Photos(Protocol):
         """The photo after the skill that was just named, as soon as there is one; None: nobody will bring any more."""
         ...
 
-    def confirmed(self, changes: tuple[str, ...]) -> tuple[str, ...] | None:
+    def confirmed(self, changes: tuple[Change, ...]) -> tuple[Change, ...] | None:
         """Of ``changes`` that no photo shows, those that did happen; None when nobody can be asked."""
         ...
 
@@ -44,9 +45,9 @@ class TypedPaths:
             if line:
                 return Path(line).expanduser()
 
-    def confirmed(self, changes: tuple[str, ...]) -> tuple[str, ...] | None:
+    def confirmed(self, changes: tuple[Change, ...]) -> tuple[Change, ...] | None:
         """Ask; an empty line says that all of them happened."""
-        out.print(plain(f"     no photo shows: {' '.join(changes)}"), markup=False, soft_wrap=True)
+        out.print(plain(f"     no photo shows: {' '.join(signed(changes))}"), markup=False, soft_wrap=True)
         line = _ask("did this happen (Enter: yes, n: nothing of it)? ")
         return None if line is None else () if line.lower().startswith("n") else changes
 
@@ -77,7 +78,7 @@ class WatchedFolder:
         named = not path.name.startswith(".") and path.name not in self._used
         return named and (path.is_dir() or path.suffix.lower() in ENDINGS)
 
-    def confirmed(self, changes: tuple[str, ...]) -> None:
+    def confirmed(self, changes: tuple[Change, ...]) -> None:
         """Nobody can be asked: the YAML file beside a photo may tell."""
 
 
@@ -108,7 +109,7 @@ def guide(folder: PlanFolder, session: SessionDoc, scene: PlannedScene, photos: 
     while guided.step is not None:
         _save(folder, scene, guided)
         number = len(guided.looks) + 1
-        expected = " ".join(_signed(guided))
+        expected = " ".join(signed(effects(guided.step)))
         out.print(plain(f"\nstep {number}, {len(guided.remaining)} to go:  {in_words(guided.step)}"), markup=False)
         out.print(plain(f"     expected: {expected}"), markup=False, soft_wrap=True)
         photographed = _photograph(guided, photos)
@@ -144,11 +145,6 @@ def _photograph(guided: Guided, photos: Photos) -> tuple[Path, Photographed] | N
     return None
 
 
-def _signed(guided: Guided) -> tuple[str, ...]:
-    assert guided.step is not None, "there is a step"
-    return (*(f"+{a}" for a in sorted(guided.step.add)), *(f"-{a}" for a in sorted(guided.step.delete)))
-
-
 def _say(guided: Guided, look: Look, *, known: bool = False) -> None:
     """How the last step went."""
     number = len(guided.looks)
@@ -157,11 +153,11 @@ def _say(guided: Guided, look: Look, *, known: bool = False) -> None:
     if not look.absent and not look.surplus:
         out.print("     as expected")
     if look.absent:
-        out.print(plain(f"     expected, not seen: {' '.join(look.absent)}"), markup=False, soft_wrap=True)
+        out.print(plain(f"     expected, not seen: {' '.join(signed(look.absent))}"), markup=False, soft_wrap=True)
     if look.surplus:
-        out.print(plain(f"     seen, not expected: {' '.join(look.surplus)}"), markup=False, soft_wrap=True)
+        out.print(plain(f"     seen, not expected: {' '.join(signed(look.surplus))}"), markup=False, soft_wrap=True)
     if look.assumed:
-        out.print(plain(f"     taken for granted: {' '.join(look.assumed)}"), markup=False, soft_wrap=True)
+        out.print(plain(f"     taken for granted: {' '.join(signed(look.assumed))}"), markup=False, soft_wrap=True)
     if look.replanned and guided.step is not None:
         out.print(f"     planned again: {len(guided.remaining)} skills")
     elif look.absent and guided.step is not None:

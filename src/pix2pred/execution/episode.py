@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from pix2pred.execution.changes import changes_between, signed
 from pix2pred.execution.parameters import Parameters, executed
-from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, Pursuit, changes
+from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, Pursuit
 from pix2pred.predicates import Abstraction
 from pix2pred.structs import AbstractState, Action, Atom, ExecutedStep, GroundOperator, PlanResult
 from pix2pred.structs.environment import Environment, StepStatus
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class ExecutionResult:
     """How an episode went. ``failure`` is how the last skill failed, if one did; ``replans`` counts new plans."""
 
     goal_reached: bool
@@ -28,20 +29,20 @@ def actions_of(plan: Sequence[GroundOperator]) -> list[Action]:
     return [Action(step.operator.skill, step.skill_objects) for step in plan]
 
 
-def open_loop(plan: Sequence[GroundOperator], environment: Environment, parameters: Parameters) -> Outcome:
+def open_loop(plan: Sequence[GroundOperator], environment: Environment, parameters: Parameters) -> ExecutionResult:
     """Run the plan's skills one after the other, without looking, until the true goal holds or a skill fails."""
     steps: list[ExecutedStep] = []
     if environment.goal_reached():
-        return Outcome(True, None, "", ())
+        return ExecutionResult(True, None, "", ())
     for operator in plan:
         action, draw = parameters.choose(operator, environment)
         step = environment.execute(action)
         steps.append(executed(operator, action, draw, step))
         if environment.goal_reached():
-            return Outcome(True, None, "", tuple(steps))
+            return ExecutionResult(True, None, "", tuple(steps))
         if step.status != StepStatus.DONE:
-            return Outcome(False, step.status, step.detail, tuple(steps))
-    return Outcome(False, None, "the plan was executed but the goal does not hold", tuple(steps))
+            return ExecutionResult(False, step.status, step.detail, tuple(steps))
+    return ExecutionResult(False, None, "the plan was executed but the goal does not hold", tuple(steps))
 
 
 @dataclass(slots=True)
@@ -62,27 +63,27 @@ class ClosedLoop:
         abstraction: Abstraction,
         environment: Environment,
         parameters: Parameters,
-    ) -> Outcome:
+    ) -> ExecutionResult:
         """Execute ``plan``, made in the state ``seen``, with which ``abstraction`` was started."""
         steps: list[ExecutedStep] = []
         pursuit = Pursuit(self.plan_from, self.goal, plan, self.max_replans)
 
-        def failed(how: StepStatus | None, why: str) -> Outcome:
-            return Outcome(False, how, why, tuple(steps), pursuit.replans)
+        def failed(how: StepStatus | None, why: str) -> ExecutionResult:
+            return ExecutionResult(False, how, why, tuple(steps), pursuit.replans)
 
         if environment.goal_reached():
-            return Outcome(True, None, "", ())
+            return ExecutionResult(True, None, "", ())
         try:
             while (operator := pursuit.next(seen)) is not None:
                 action, draw = parameters.choose(operator, environment)
                 step = environment.execute(action)
                 steps.append(executed(operator, action, draw, step))
                 if environment.goal_reached():
-                    return Outcome(True, None, "", tuple(steps), pursuit.replans)
+                    return ExecutionResult(True, None, "", tuple(steps), pursuit.replans)
                 if step.status == StepStatus.HORIZON:
                     return failed(step.status, step.detail)
                 before, seen = seen, abstraction.advance(action, environment.observe())
-                steps[-1] = replace(steps[-1], observed=changes(before, seen))
+                steps[-1] = replace(steps[-1], observed=signed(changes_between(before, seen)))
                 succeeded = step.status == StepStatus.DONE and operator.add <= seen
                 pursuit.executed(str(action), before, succeeded=succeeded)
         except GivenUpError as error:

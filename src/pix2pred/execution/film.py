@@ -18,15 +18,28 @@ from pix2pred.system.errors import Pix2predError
 from pix2pred.system.extras import optional
 
 FRAMES_PER_SECOND = 10
+"""Environments that film a skill give a frame about every tenth of a second."""
+
 WIDTH = 480
 """Pixels; pictures are scaled to it."""
 
 STRIP = 96
 """Height in pixels of the strip for the words."""
 
-_FONT_SIZE, _LINE = 14, 19
-_STILL = 8
-_END = 15
+FONT_SIZE, LINE_HEIGHT = 14, 19
+"""Pixels; five lines fit into the strip."""
+
+MARGIN = 8
+"""Pixels left and right of the words."""
+
+STILL_FRAMES = 8
+"""How long the picture after a skill stands: long enough to read the words under it."""
+
+LAST_FRAMES = 15
+"""How long the last picture of an episode stands."""
+
+BACKGROUND, HEADLINE, TEXT = (24, 24, 28), (255, 236, 120), (235, 235, 235)
+"""Colours of the strip, its first line and the others."""
 
 
 class FilmError(Pix2predError, ValueError):
@@ -64,7 +77,7 @@ class Film:
         """Add one frame; all frames get the size of the first."""
         picture = PILImage.fromarray(pixels)
         height = round(picture.height * WIDTH / picture.width)
-        page = PILImage.new("RGB", (WIDTH, (height + STRIP) // 2 * 2), (24, 24, 28))
+        page = PILImage.new("RGB", (WIDTH, (height + STRIP) // 2 * 2), BACKGROUND)
         page.paste(picture.resize((WIDTH, height), PILImage.Resampling.BILINEAR), (0, 0))
         self._write(page, height)
         if self._container is None:
@@ -88,14 +101,14 @@ class Film:
         self._stream.pix_fmt = "yuv420p"
 
     def _write(self, page: PILImage.Image, top: int) -> None:
-        font = ImageFont.load_default(_FONT_SIZE)
+        font = ImageFont.load_default(FONT_SIZE)
         draw = ImageDraw.Draw(page)
-        for i, line in enumerate(self._words[: STRIP // _LINE]):
+        for i, line in enumerate(self._words[: STRIP // LINE_HEIGHT]):
             shown = line
-            while shown and draw.textlength(shown, font=font) > WIDTH - 16:
+            while shown and draw.textlength(shown, font=font) > WIDTH - 2 * MARGIN:
                 shown = shown.removesuffix("…")[:-1] + "…"
-            color = (255, 236, 120) if i == 0 else (235, 235, 235)
-            draw.text((8, top + 6 + i * _LINE), shown, font=font, fill=color)
+            color = HEADLINE if i == 0 else TEXT
+            draw.text((MARGIN, top + 6 + i * LINE_HEIGHT), shown, font=font, fill=color)
 
 
 class FilmedEpisode:
@@ -121,7 +134,7 @@ class FilmedEpisode:
         self._rolling = self._rolling is None
         if self._rolling:
             self._film.say(self._title)
-            self._film.hold(_pixels(self._inner.observe()), _STILL)
+            self._film.hold(_pixels(self._inner.observe()), STILL_FRAMES)
         elif isinstance(self._inner, Filmed):
             self._inner.film(None)
 
@@ -144,14 +157,14 @@ class FilmedEpisode:
         if isinstance(self._inner, Filmed):
             self._inner.film(self._film.frame)
         step = self._inner.execute(action)
-        self._film.hold(_pixels(self._inner.observe()), _STILL)
+        self._film.hold(_pixels(self._inner.observe()), STILL_FRAMES)
         return step
 
     def conclude(self, words: Sequence[str]) -> None:
         """The last words, under the last picture of the filmed episode."""
         self._film.say(self._title, *words)
         if self._rolling:
-            self._film.hold(_pixels(self._inner.observe()), _END)
+            self._film.hold(_pixels(self._inner.observe()), LAST_FRAMES)
 
 
 def _pixels(state: State) -> Pixels:

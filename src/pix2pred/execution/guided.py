@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from pix2pred.execution.changes import Change, changes, changes_between, effects
 from pix2pred.execution.explaining.missing import Missing, missing
 from pix2pred.execution.explaining.scene import PlannedScene, listed
-from pix2pred.execution.pursuit import GivenUpError, Pursuit, changes
+from pix2pred.execution.pursuit import GivenUpError, Pursuit
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
 
@@ -28,10 +29,10 @@ class Look:
     state: State
     labels: StateLabels
     seen: AbstractState
-    expected: tuple[str, ...]
-    absent: tuple[str, ...]
-    surplus: tuple[str, ...]
-    assumed: tuple[str, ...]
+    expected: tuple[Change, ...]
+    absent: tuple[Change, ...]
+    surplus: tuple[Change, ...]
+    assumed: tuple[Change, ...]
     replanned: bool = False
 
 
@@ -79,16 +80,16 @@ class Guided:
         return missing(self.scene.solver.model.operators, task.objects, self.seen, task.goal)
 
     @property
-    def expected_listed(self) -> tuple[str, ...]:
+    def expected_listed(self) -> tuple[Change, ...]:
         """The changes of the next step that no photo can show: a person has to confirm them."""
-        return () if self.step is None else _signed(listed(self.step.add), listed(self.step.delete))
+        return () if self.step is None else changes(listed(self.step.add), listed(self.step.delete))
 
-    def told(self, state: State, happened: Sequence[str]) -> State:
+    def told(self, state: State, happened: Sequence[Change]) -> State:
         """``state`` with the given atoms that hold when, of ``expected_listed``, these changes ``happened``."""
         assert self.step is not None, "there is a step to tell about"
         given = set(listed(self.seen))
-        given -= {a for a in self.step.delete if f"-{a}" in happened}
-        given |= {a for a in listed(self.step.add) if f"+{a}" in happened}
+        given -= {change.atom for change in happened if not change.holds}
+        given |= {change.atom for change in happened if change.holds}
         return replace(state, given=frozenset(given))
 
     def observe(self, state: State, *, told: bool) -> Look:
@@ -102,16 +103,16 @@ class Guided:
         before, kept = self.seen, listed(self.seen)
         state = state if told else replace(state, given=kept)
         after = self.scene.abstraction.advance(action, state)
-        assumed: tuple[str, ...] = ()
+        assumed: tuple[Change, ...] = ()
         if not told and _visible(step.add) <= after and not _visible(step.delete) & after:
             given = (kept - step.delete) | listed(step.add)
-            assumed = changes(kept, given)
+            assumed = changes_between(kept, given)
             after = self.scene.abstraction.relist(given)
         look = Look(
             step, action, state, self.scene.abstraction.labels, after,
-            _signed(step.add, step.delete),
-            _signed(step.add - after, step.delete & after),
-            _signed(after - before - step.add, before - after - step.delete),
+            effects(step),
+            changes(step.add - after, step.delete & after),
+            changes(after - before - step.add, before - after - step.delete),
             assumed,
         )  # fmt: skip
         self.seen = after
@@ -133,7 +134,3 @@ class Guided:
 
 def _visible(atoms: frozenset[Atom]) -> AbstractState:
     return frozenset(a for a in atoms if isinstance(a.predicate.source, FromVLM))
-
-
-def _signed(plus: frozenset[Atom], minus: frozenset[Atom]) -> tuple[str, ...]:
-    return (*(f"+{a}" for a in sorted(plus)), *(f"-{a}" for a in sorted(minus)))

@@ -58,8 +58,3 @@ class Pursuit:
                 raise GivenUpError(f"{action} failed again in a state that looks the same", stuck=True)
             self._failures.add((before, action))
         self.position += 1
-
-
-def changes(before: AbstractState, after: AbstractState) -> tuple[str, ...]:
-    """What differs, written with a sign: ``+`` for what became true."""
-    return (*(f"+{a}" for a in sorted(after - before)), *(f"-{a}" for a in sorted(before - after)))

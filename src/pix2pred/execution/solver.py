@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from pix2pred.execution.episode import ClosedLoop, Outcome, actions_of, open_loop
-from pix2pred.execution.explaining.diagnosis import TruthOf, correct_labels, wrong_labels
+from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, open_loop
+from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Abstraction, Labeller
@@ -95,7 +95,7 @@ class Solver:
         truth: TruthOf | None,
         seen: AbstractState,
         result: PlanResult,
-        outcome: Outcome | None,
+        outcome: ExecutionResult | None,
     ) -> tuple[Failure, str, tuple[str, ...]]:
         """The cause of a failure: labels if true labels would have helped, else the model, as far as can be told."""
         if result.status == PlanStatus.BUDGET:
@@ -110,10 +110,11 @@ class Solver:
         if outcome and outcome.failure and outcome.steps[-1].sampler:
             return Failure.SKILL, f"{detail} (parameters from the sampler {outcome.steps[-1].sampler!r})", ()
         environment.reset()
-        errors = wrong_labels(truth, seen, task, self.model) if truth else None
-        if errors is None:
+        check = check_labels(truth, seen, task, self.model)
+        if truth is None or check.unknown:
             cause = Failure.NO_PLAN if outcome is None else Failure.SKILL if outcome.failure else Failure.UNDETERMINED
             return cause, detail, ()
+        errors = check.wrong
         named = tuple(f"{atom} is {value}" for atom, value in sorted(errors.items()))
         better = self.plan_from(task, correct_labels(seen, errors)) if errors else result
         if better.status not in (PlanStatus.SOLVED, PlanStatus.UNSOLVABLE):

@@ -16,6 +16,7 @@ from markupsafe import Markup
 
 from pix2pred import __version__
 from pix2pred.execution import Guided, Look, Missing, Need, PlannedScene
+from pix2pred.execution.changes import Change, effects
 from pix2pred.execution.explaining.scene import said
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import draw_view, skill_crop
@@ -84,7 +85,7 @@ class StepView:
     action: str
     operator: str
     needs: tuple[tuple[str, int], ...]
-    changes: tuple[str, ...]
+    changes: tuple[Change, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,22 +120,18 @@ def render_plan(scene: PlannedScene, guided: Guided | None = None) -> str:
         unseen=[_label(scene, a) for a in seen_wrong],
         everything=[_label(scene, a, crop=False) for a in sorted({*scene.labels.values, *scene.seen})],
         looks=[_look(look, t) for t, look in enumerate(guided.looks, start=1)] if guided else (),
-        remaining=[(in_words(s), _changes(s)) for s in guided.remaining] if guided else (),
+        remaining=[(in_words(s), effects(s)) for s in guided.remaining] if guided else (),
         lacking_now=guided.missing if guided else (),
     )  # fmt: skip
 
 
 def _step(step: GroundOperator, needs: Iterable[Need]) -> StepView:
     action = f"{step.operator.skill.name}({', '.join(o.name for o in step.skill_objects)})"
-    return StepView(in_words(step), action, step.operator.name, _pairs(needs), _changes(step))
+    return StepView(in_words(step), action, step.operator.name, _pairs(needs), effects(step))
 
 
 def _pairs(needs: Iterable[Need]) -> tuple[tuple[str, int], ...]:
     return tuple((str(n.atom), 0 if n.by is None else n.by + 1) for n in needs)
-
-
-def _changes(step: GroundOperator) -> tuple[str, ...]:
-    return (*(f"+{a}" for a in sorted(step.add)), *(f"-{a}" for a in sorted(step.delete)))
 
 
 def _label(scene: PlannedScene, atom: Atom, *, crop: bool = True) -> LabelView:
@@ -158,8 +155,8 @@ def _label(scene: PlannedScene, atom: Atom, *, crop: bool = True) -> LabelView:
 
 def _look(look: Look, number: int) -> LookView:
     words = said(look.labels)
-    signs = {c[1:] for c in (*look.expected, *look.absent, *look.surplus)}
-    told = tuple((str(a), text) for a, text in words.items() if str(a) in signs)
+    concerned = {c.atom for c in (*look.expected, *look.absent, *look.surplus)}
+    told = tuple((str(a), text) for a, text in words.items() if a in concerned)
     unknown = tuple(str(a) for a, v in sorted(look.labels.values.items()) if v == Label.UNKNOWN)
     return LookView(in_words(look.step), look, _photos(look.state, number), unknown, told)
 

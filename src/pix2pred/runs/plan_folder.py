@@ -25,6 +25,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pix2pred.demos import Photographed, Project, project_digest, state_from_doc, write_state
 from pix2pred.execution import Guided, Look, Missing, PlannedScene
+from pix2pred.execution.changes import signed
 from pix2pred.planning import is_valid
 from pix2pred.planning.pddl.write import write_domain, write_plan, write_problem
 from pix2pred.runs.folder import RunFolder, RunFolderError
@@ -209,9 +210,9 @@ def _look_doc(look: Look) -> dict[str, Any]:
     return {
         "action": str(look.action),
         "operator": str(look.step),
-        "expected": list(look.expected),
-        "not_seen": list(look.absent),
-        "not_expected": list(look.surplus),
-        "assumed": list(look.assumed),
+        "expected": list(signed(look.expected)),
+        "not_seen": list(signed(look.absent)),
+        "not_expected": list(signed(look.surplus)),
+        "assumed": list(signed(look.assumed)),
         "planned_again": look.replanned,
     }

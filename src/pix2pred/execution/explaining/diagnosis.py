@@ -2,28 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
-from pix2pred.predicates import ground_atoms
-from pix2pred.structs import AbstractState, Atom, FromVLM, Task, WorldModel
+from pix2pred.predicates import Abstraction, Labeller, ground_atoms
+from pix2pred.structs import AbstractState, Atom, FromVLM, Predicate, Task, WorldModel
 
 TruthOf = Callable[[Atom], bool | None]
 """The true value of a visual atom in the environment's present state; None for words without a ground truth."""
 
 
-def wrong_labels(truth: TruthOf, seen: AbstractState, task: Task, model: WorldModel) -> Mapping[Atom, bool] | None:
-    """Visual atoms labelled wrongly, with their true values; ``None`` when some atom has no known truth."""
-    errors: dict[Atom, bool] = {}
-    visual = [p for p in model.predicates if isinstance(p.source, FromVLM)]
-    for atom in ground_atoms(visual, task.objects):
-        value = truth(atom)
+@dataclass(frozen=True, slots=True)
+class LabelCheck:
+    """The visual atoms of one state against the truth.
+
+    ``known`` counts those whose truth is known, ``unknown`` the others; ``wrong`` holds the true values of those that
+    were labelled wrongly.
+    """
+
+    known: int
+    unknown: int
+    wrong: Mapping[Atom, bool]
+
+
+def visual(predicates: Sequence[Predicate]) -> list[Predicate]:
+    """Those of ``predicates`` that are read from pictures."""
+    return [p for p in predicates if isinstance(p.source, FromVLM)]
+
+
+def check_labels(truth: TruthOf | None, seen: AbstractState, task: Task, model: WorldModel) -> LabelCheck:
+    """Compares the visual atoms of ``seen`` with the truth of the state the environment is in."""
+    known, unknown, wrong = 0, 0, dict[Atom, bool]()
+    for atom in ground_atoms(visual(model.predicates), task.objects):
+        value = truth(atom) if truth else None
         if value is None:
-            return None
+            unknown += 1
+            continue
+        known += 1
         if value != (atom in seen):
-            errors[atom] = value
-    return errors
+            wrong[atom] = value
+    return LabelCheck(known, unknown, wrong)
 
 
 def correct_labels(seen: AbstractState, errors: Mapping[Atom, bool]) -> AbstractState:
     """``seen`` with the wrong labels put right."""
     return frozenset((seen - errors.keys()) | {atom for atom, value in errors.items() if value})
+
+
+def given_atoms(model: WorldModel, labeller: Labeller, task: Task) -> AbstractState:
+    """The atoms of the task's initial state that hold and that no model is asked about."""
+    asked = visual(model.predicates)
+    others = [p for p in model.predicates if p not in asked]
+    return Abstraction(task.objects, others, labeller).start(task.initial)

@@ -13,6 +13,7 @@ MOST_BINDINGS = 5_000
 """Ways to fill an operator's parameters that are looked at for one atom."""
 
 MOST_LINKS = 40
+"""Atoms that an explanation names; longer chains of missing atoms help nobody."""
 
 
 @dataclass(frozen=True, slots=True)
