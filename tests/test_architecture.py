@@ -146,3 +146,20 @@ def test_docstrings_point_to_sections_that_exist() -> None:
     for path in _sources():
         cited = re.findall(r"\bmethod (\d+(?:\.\d+)?)", path.read_text())
         assert set(cited) <= headings, path
+
+
+@pytest.mark.parametrize("option", ["--help", "--version"])
+def test_asking_the_command_line_for_help_imports_no_room(option: str) -> None:
+    code = (
+        f"import sys; from pix2pred.cli.app import run; run(['{option}']); print(*sorted(sys.modules), file=sys.stderr)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {module.split(".")[1] for module in ran.stderr.split() if module.startswith("pix2pred.")}
+    assert ran.stdout and loaded == {"cli", "system"}
+
+
+def test_planning_a_pddl_problem_imports_neither_models_nor_learning_of_predicates() -> None:
+    code = "import sys, pix2pred.cli.plan_pddl; print(*sorted(sys.modules))"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    loaded = {module.split(".")[1] for module in printed.split() if module.startswith("pix2pred.")}
+    assert not {"execution", "predicates", "learning", "approaches", "demos"} & loaded

@@ -15,8 +15,6 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pix2pred.approaches.approach import Approach
-from pix2pred.execution import TruthOf
 from pix2pred.images import ShownPictures
 from pix2pred.planning import AStar, ExternalPlanner, GreedyBestFirst, Planner, Portfolio, Search, TaskPlanner
 from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
@@ -32,7 +30,9 @@ from pix2pred.vlm.control.estimate import EstimatingVLM
 from pix2pred.vlm.control.flow import FlowVLM
 from pix2pred.vlm.model_spec import HostedModel, ModelNameError, hosted_model
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # slow to import, and not needed by every verb
+    from pix2pred.approaches.approach import Approach
+    from pix2pred.execution import TruthOf
     from pix2pred.vlm.offline.model import WordDoc
 
 _DOMAINS = {

@@ -15,7 +15,7 @@ from pix2pred.vlm import AnswerStore
 from pix2pred.vlm.answers.inspection import export as export_answers
 from pix2pred.vlm.answers.inspection import find, problems, read_stored
 
-answers = App(name="answers", help="Look into an answer store (a run folder, or the folder of --answers).")
+answers = App(name="answers")
 
 
 def _store(directory: Path) -> AnswerStore:

@@ -5,41 +5,67 @@ Exit codes: 0 done, 1 the job failed (no plan, not solved), 2 bad input, 130 int
 
 from __future__ import annotations
 
+import ast
 import signal
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from types import FrameType
 
 from cyclopts import App, CycloptsError
-from pydantic import ValidationError
 
 from pix2pred import __version__
-from pix2pred.cli.answers import answers
-from pix2pred.cli.bench import bench
-from pix2pred.cli.data import check, generate, schema
-from pix2pred.cli.demo import demo
-from pix2pred.cli.doctor import doctor
-from pix2pred.cli.imports import imports
-from pix2pred.cli.init import init
-from pix2pred.cli.learn import learn
-from pix2pred.cli.plan import plan
-from pix2pred.cli.plan_pddl import plan_pddl
-from pix2pred.cli.review import review
-from pix2pred.cli.select import select
-from pix2pred.cli.solve import solve
 from pix2pred.system.errors import Pix2predError, StoppedError
 
-app = App(
-    name="pix2pred",
-    version=__version__,
-    suppress_keyboard_interrupt=False,
-    help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
+_VERBS = (
+    "init:init",
+    "demo:demo",
+    "data:generate",
+    "data:check",
+    "data:schema",
+    "learn:learn",
+    "review:review",
+    "solve:solve",
+    "plan:plan",
+    "select:select",
+    "plan_pddl:plan_pddl",
+    "doctor:doctor",
 )
-for _verb in (init, demo, generate, check, schema, learn, review, solve, plan, select, plan_pddl, doctor):
-    app.command(_verb)
-app.command(answers)
-app.command(imports)
-app.command(bench)
+"""Module of this folder and function; a verb is imported when it is called, so that the others cost no time."""
+
+_GROUPS = {
+    "answers:answers": "Look into an answer store (a run folder, or the folder of --answers).",
+    "imports:imports": "Bring photos, videos and robot data into a project as demonstrations.",
+    "bench:bench": "Run benchmark suites, see how far they are, report and compare them.",
+}
+"""Verbs that have verbs of their own, and their help."""
+
+_NAMES = {"imports": "import"}
+"""Verbs that cannot be called like their function."""
+
+
+def _help(target: str) -> str:
+    """The docstring of a verb, read from its source without running it."""
+    module, _, function = target.partition(":")
+    text = Path(__file__).with_name(f"{module}.py").read_text(encoding="utf-8")
+    found = next(n for n in ast.parse(text).body if isinstance(n, ast.FunctionDef) and n.name == function)
+    return ast.get_docstring(found) or ""
+
+
+def _command_line() -> App:
+    made = App(
+        name="pix2pred",
+        version=__version__,
+        suppress_keyboard_interrupt=False,
+        help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
+    )
+    for target, words in ({verb: _help(verb) for verb in _VERBS} | _GROUPS).items():
+        name = target.rpartition(":")[2]
+        made.command(f"pix2pred.cli.{target}", name=_NAMES.get(name, name.replace("_", "-")), help=words)
+    return made
+
+
+app = _command_line()
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -74,6 +100,8 @@ def run(argv: Sequence[str] | None = None) -> int:
 
 def _in_options(error: CycloptsError) -> str:
     """The error in the words of the command line: settings are checked by pydantic, which names fields."""
+    from pydantic import ValidationError  # needed for an error alone, and slow to import
+
     cause = error.__cause__
     if not isinstance(cause, ValidationError):
         return str(error)

@@ -21,7 +21,7 @@ from pix2pred.registry import Names
 from pix2pred.system.parallel import Backend, Workers
 from pix2pred.vlm import StoreMode
 
-bench = App(name="bench", help="Run benchmark suites, see how far they are, report and compare them.")
+bench = App(name="bench")
 
 
 @bench.command

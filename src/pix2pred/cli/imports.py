@@ -18,7 +18,7 @@ from pix2pred.demos.files.folders import DOMAIN
 from pix2pred.demos.files.sidecar import read_sidecar
 from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos
 
-imports = App(name="import", help="Bring photos, videos and robot data into a project as demonstrations.")
+imports = App(name="import")
 
 Out = Annotated[Path, Parameter(name="--out", help="Project folder: demonstrations are added, or a project is begun.")]
 MaxSide = Annotated[int, Parameter(help="Longest side of pictures in pixels; longer ones shrink.", validator=POSITIVE)]
