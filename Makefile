@@ -2,6 +2,7 @@
 # make test   run the tests            make check   ruff and mypy --strict
 # make test-all   install every extra and run the tests that need one; none may be skipped
 # make bench-smoke   a cut of the published comparison, as a table (make test-all runs it too)
+# make docs       build the documentation as a site into build/site; warnings are errors
 # make newest     the same tests with the newest versions of every dependency, in an environment of its own
 # Every target sets up .venv by itself, with the versions in constraints.txt. PYTHON=python3.12 make demo   uses another interpreter.
 
@@ -12,7 +13,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 TORCH ?= torch==2.13.0
 
-.PHONY: demo test test-all newest bench-smoke check clean
+.PHONY: demo test test-all newest docs bench-smoke check clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/run.stamp: pyproject.toml $(CONSTRAINTS)
@@ -30,6 +31,10 @@ $(VENV)/all.stamp: $(VENV)/dev.stamp
 	$(INSTALL) '$(TORCH)' -e '.[dev,all]'
 	@touch $@
 
+$(VENV)/docs.stamp: $(VENV)/run.stamp
+	$(INSTALL) -e '.[docs]'
+	@touch $@
+
 demo: $(VENV)/run.stamp
 	$(BIN)/pix2pred demo
 
@@ -42,6 +47,10 @@ test-all: $(VENV)/all.stamp
 
 newest:
 	$(MAKE) VENV=.venv-newest CONSTRAINTS= check test
+
+docs: $(VENV)/docs.stamp
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo 'open build/site/index.html'
 
 bench-smoke: $(VENV)/run.stamp
 	$(BIN)/pix2pred bench run smoke --jobs 2

@@ -85,7 +85,7 @@ def learned_table(run: Run) -> str:
                      and place.split("/")[0] == entry.name and place.rsplit("/", 1)[1] == approach]  # fmt: skip
             if found:
                 sizes = sorted({len(d["selected"]) for d in found})
-                sets = {", ".join(d["selected"]) for d in found}
+                sets = {", ".join(f"`{name}`" for name in d["selected"]) for d in found}
                 names = sets.pop() if len(sets) == 1 and sizes[-1] <= 5 else f"{_range(sizes)} predicates"
                 errors = [d for d in found if d.get("labels")]
                 share = sum(d["label_errors"] for d in errors) / max(1, sum(d["labels"] for d in errors))
