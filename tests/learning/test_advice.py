@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from learning.random_tables import BALL, BOX, candidate, demo, given, table
-from pix2pred.learning import LearningSettings, Verdict, advice_document, advise, readings
+from pix2pred.learning import LearningSettings, SupportKind, advice_document, advise, operator_support
 from pix2pred.learning.labels.advice import with_labels
 from pix2pred.learning.labels.doubts import doubted
 from pix2pred.structs import (
@@ -50,24 +50,24 @@ MODEL = (operator("Op0", HEAT, lifted(), lifted(HOT)), operator("Op1", SERVE, li
 
 
 def test_transitions_support_operators_whose_effects_alone_occur() -> None:
-    found = readings(MODEL, [served("d", *RIGHT)])
+    found = operator_support(MODEL, [served("d", *RIGHT)])
     assert [(r.operator, r.step, r.binding, r.verdict) for r in found] == [
-        ("Op0", 0, ("a",), Verdict.SUPPORTS),
-        ("Op1", 1, ("a",), Verdict.SUPPORTS),
+        ("Op0", 0, ("a",), SupportKind.SUPPORTS),
+        ("Op1", 1, ("a",), SupportKind.SUPPORTS),
     ]
     assert all((r.unmet, r.absent, r.surplus) == ((), (), ()) for r in found)
 
 
 def test_a_transition_says_what_it_has_against_an_operator() -> None:
-    first, second = readings(MODEL, [served("d", [], [HOT(B)], [HOT(B), DONE(A)])])
-    assert (first.verdict, first.absent, first.surplus) == (Verdict.CONTRADICTS, ("+hot(a)",), ("+hot(b)",))
-    assert (second.verdict, second.unmet) == (Verdict.UNMET, ("hot(a)",))
+    first, second = operator_support(MODEL, [served("d", [], [HOT(B)], [HOT(B), DONE(A)])])
+    assert (first.verdict, first.absent, first.surplus) == (SupportKind.CONTRADICTS, ("+hot(a)",), ("+hot(b)",))
+    assert (second.verdict, second.unmet) == (SupportKind.UNMET, ("hot(a)",))
     assert (second.absent, second.surplus) == ((), ())
 
 
 def test_an_operator_that_neither_applies_nor_explains_is_not_read() -> None:
-    assert [r.operator for r in readings(MODEL, [served("d", [], [HOT(A)], [])])] == ["Op0", "Op1"]
-    assert [r.operator for r in readings(MODEL, [served("d", [], [], [])])] == ["Op0"]
+    assert [r.operator for r in operator_support(MODEL, [served("d", [], [HOT(A)], [])])] == ["Op0", "Op1"]
+    assert [r.operator for r in operator_support(MODEL, [served("d", [], [], [])])] == ["Op0"]
 
 
 def test_a_label_unlike_those_of_nine_other_demonstrations_is_doubted() -> None:
@@ -171,4 +171,4 @@ def test_of_synonyms_the_one_with_fewer_mistakes_is_advised() -> None:
 def test_skills_of_other_objects_are_not_read(objects: tuple[Object, ...]) -> None:
     touch = Skill("Touch", (BOX,))
     one = demo("d", objects, [Action(touch, (C,))], [[], [HOT(A)]])
-    assert readings(MODEL, [one]) == []
+    assert operator_support(MODEL, [one]) == []

@@ -17,8 +17,10 @@ from learning import random_tables
 from learning.naive_operators import bijections, canonical, naive_operators, transitions
 from learning.random_tables import BALL, BOX, THING, demo, random_table, table
 from pix2pred.learning import LearningSettings, dump_traces, learn_operators
-from pix2pred.learning.operators.clustering import TransitionClass, partition, refine
-from pix2pred.learning.transitions import Data
+from pix2pred.learning.operators.cluster_and_intersect import ClusterAndIntersect
+from pix2pred.learning.operators.clustering import partition, refine
+from pix2pred.learning.operators.transition_class import TransitionClass
+from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Action, LabelledDemo, Object, Skill, TruthTable, Type, Variable, Vocabulary
 
 SEEDS = st.integers(0, 2**32)
@@ -100,19 +102,18 @@ def test_hard_intersection_at_one_keeps_what_always_holds() -> None:
     ],
 )
 def test_required_counts_of_the_table(rule: str, needed: dict[int, int]) -> None:
-    chosen = LearningSettings.model_validate({"precondition_rule": rule})
-    assert {n: chosen.required_count(n) for n in needed} == needed
+    learner = ClusterAndIntersect(strictly=rule == "more_than")
+    assert {n: learner.required_count(n) for n in needed} == needed
 
 
 @given(st.integers(1, 400), st.integers(0, 100), st.booleans())
 def test_required_counts_are_exact_for_every_percentage(n: int, percent: int, strict: bool) -> None:
-    rule = "more_than" if strict else "at_least"
-    chosen = LearningSettings.model_validate({"h_pre_frac": percent / 100, "precondition_rule": rule})
+    learner = ClusterAndIntersect(h_pre_frac=percent / 100, strictly=strict)
     share_is_exclusive = strict and percent < 100
     enough = next(
         c for c in range(n + 2) if 100 * c > percent * n or (100 * c == percent * n and not share_is_exclusive)
     )
-    assert chosen.required_count(n) == enough
+    assert learner.required_count(n) == enough
 
 
 def test_pruning_leaves_gaps_in_the_numbers() -> None:
@@ -262,7 +263,7 @@ def test_the_order_of_demonstrations_changes_only_numbers_and_names_of_variables
     assert sorted(repr(canonical(op, unique)) for op in before) == sorted(repr(canonical(op, unique)) for op in after)
 
 
-def _plain(classes: tuple[TransitionClass, ...], data: Data) -> list[tuple[object, ...]]:
+def _plain(classes: tuple[TransitionClass, ...], data: IndexedTable) -> list[tuple[object, ...]]:
     counts = [tuple(c.counts_before(data, p) for p in range(len(data.predicates))) for c in classes]
     return [
         (c.skill, c.types, c.skill_args, set(c.add), set(c.delete), c.members, n)
@@ -273,7 +274,7 @@ def _plain(classes: tuple[TransitionClass, ...], data: Data) -> list[tuple[objec
 @given(SEEDS)
 @settings(max_examples=150, deadline=None)
 def test_refining_equals_partitioning_from_scratch(seed: int) -> None:
-    data = Data(random_table(seed))
+    data = IndexedTable(random_table(seed))
     order = Random(seed).sample(range(len(data.predicates)), len(data.predicates))
     classes = partition(data, [])
     for i, p in enumerate(order):

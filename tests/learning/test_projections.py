@@ -7,7 +7,7 @@ import pytest
 from learning.random_tables import candidate, demo, given, table
 from pix2pred.learning import LearningSettings, hill_climbing
 from pix2pred.learning.selection.projections import is_projection
-from pix2pred.learning.transitions import Data
+from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Action, LabelledDemo, Object, Skill, TruthTable, Type
 
 PARCEL, TRUCK, TOWN = Type("parcel"), Type("truck"), Type("town")
@@ -36,7 +36,7 @@ def deliveries() -> TruthTable:
 
 
 def test_being_loaded_is_a_projection_of_being_in_the_truck() -> None:
-    data = Data(deliveries())
+    data = IndexedTable(deliveries())
     number = {p: i for i, p in enumerate(data.predicates)}
     assert is_projection(data, number[LOADED], number[IN])
     assert not is_projection(data, number[IN], number[LOADED])

@@ -10,10 +10,11 @@ import pytest
 import burger_truth
 from burger_pool import Workload, workload, wrong_labels
 from learning.random_tables import BALL, candidate, demo, given, table
-from pix2pred.learning import LearningSettings, Selection, hill_climbing, learn_operators, operator_learner
-from pix2pred.learning.labels.hidden_markov import ADD, Repaired, repair
+from pix2pred.learning import LearningSettings, Selection, hill_climbing, learn_operators
+from pix2pred.learning.labels.hidden_markov import EffectKind, HiddenMarkovLabels, LabelPosterior
 from pix2pred.learning.operators.clustering import partition
-from pix2pred.learning.transitions import Data
+from pix2pred.learning.strategies import operator_learner
+from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import (
     Action,
     Label,
@@ -45,9 +46,9 @@ def heated(labels: list[int], unknown: tuple[int, ...] = (), other: Object = B) 
 RIGHT = [0, 0, 1, 1, 1]
 
 
-def repaired(demos: list[LabelledDemo]) -> tuple[Data, Repaired]:
-    data = Data(table([DONE], [HOT], demos))
-    return data, repair(data, partition(data, [0]), [1])
+def repaired(demos: list[LabelledDemo]) -> tuple[IndexedTable, LabelPosterior]:
+    data = IndexedTable(table([DONE], [HOT], demos))
+    return data, HiddenMarkovLabels().fit(data, partition(data, [0]), [1])
 
 
 @pytest.mark.parametrize("wrong", [[0, 0, 1, 0, 1], [1, 0, 1, 1, 1], [0, 1, 1, 1, 1], [0, 0, 0, 1, 1]])
@@ -56,7 +57,7 @@ def test_one_wrong_label_among_many_right_ones_is_repaired(wrong: list[int]) -> 
     values = [[(0,) in state for state in found.extensions[1][d]] for d in range(10)]
     assert data.objects[0] == A
     assert values == [[bool(v) for v in RIGHT]] * 10
-    assert ADD in found.effects[1].values() and len(found.effects[1]) == 1
+    assert EffectKind.ADD in found.effects[1].values() and len(found.effects[1]) == 1
     assert 0.001 < found.surprise[1] < 0.1
 
 
@@ -69,8 +70,8 @@ def test_an_unknown_label_says_nothing() -> None:
 def test_labels_without_a_mistake_stay_as_they_are() -> None:
     for family in FAMILIES:
         source = workload(family, 40, seed=3)
-        learner = operator_learner(source.table, ROBUST)
-        raw = Data(source.table)
+        learner = operator_learner(ROBUST).fit(IndexedTable(source.table))
+        raw = IndexedTable(source.table)
         steady = [p for p in range(raw.initial, len(raw.predicates)) if p not in learner.unreliable]
         assert len(steady) > 15
         changed = sum(
@@ -88,7 +89,7 @@ def coins(seed: int) -> TruthTable:
 
 def test_coins_are_no_candidates() -> None:
     for seed in range(10):
-        assert operator_learner(coins(seed), ROBUST).unreliable == {1}
+        assert operator_learner(ROBUST).fit(IndexedTable(coins(seed))).unreliable == {1}
 
 
 def select(source: TruthTable, **chosen: object) -> Selection:

@@ -8,8 +8,12 @@ import pytest
 
 from learning.random_tables import BALL, candidate, demo, given, table
 from learning.random_workloads import random_workload
-from pix2pred.learning import HillClimbing, LearningSettings, Published, Selection, hill_climbing, operator_learner
+from pix2pred.learning import HillClimbing, LearningSettings, Selection, hill_climbing
 from pix2pred.learning.objective.planning_effort import DemoScore
+from pix2pred.learning.selection.published_rules import ImprovementStop, LevelStop
+from pix2pred.learning.selection.stopping_rule import StoppingRule
+from pix2pred.learning.strategies import operator_learner
+from pix2pred.learning.transitions import IndexedTable
 from pix2pred.planning import Strips
 from pix2pred.structs import Action, Object, Skill, TruthTable
 
@@ -22,9 +26,9 @@ def climb(source: TruthTable, **chosen: object) -> Selection:
     return hill_climbing(source, settings).run()
 
 
-def published(settings: LearningSettings) -> Published:
+def published(settings: LearningSettings) -> StoppingRule:
     """Strict minimum, first by name."""
-    return Published(settings.early_stop, settings.j_threshold)
+    return (LevelStop if settings.early_stop == "level" else ImprovementStop)(settings.j_threshold)
 
 
 def names(predicates: object) -> list[str]:
@@ -117,6 +121,8 @@ def test_the_level_is_tested_before_the_first_step(engine: str) -> None:
 class Scripted:
     """J_d by the number of facts that matter, to steer the climb."""
 
+    near_tie = 0.0
+
     def __init__(self, values: list[float]) -> None:
         self.values = values
 
@@ -133,22 +139,15 @@ class Scripted:
 def test_improvement_and_level_stop_differently(early_stop: str, threshold: float, steps: int) -> None:
     """J per demonstration 600, 100, 1: drops of 1500 and 297. What buys too little is not added."""
     settings = LearningSettings.model_validate({"early_stop": early_stop, "j_threshold": threshold})
-    found = HillClimbing(
-        operator_learner(kitchen(), settings),
-        Scripted([600.0, 100.0, 1.0]),
-        published(settings),
-    ).run()
+    parts = HillClimbing(operator_learner(settings), Scripted([600.0, 100.0, 1.0]), published(settings))
+    found = parts.fit(kitchen())
     assert [round(s.j) for s in found.steps] == [1800, 300, 3][:steps]
 
 
 def test_what_does_not_improve_is_not_added() -> None:
     settings = LearningSettings(j_threshold=0)
     for values in ([5.0, 5.0, 5.0], [5.0, 6.0, 1.0]):  # no look-ahead over a worse step either
-        found = HillClimbing(
-            operator_learner(kitchen(), settings),
-            Scripted(values),
-            published(settings),
-        ).run()
+        found = HillClimbing(operator_learner(settings), Scripted(values), published(settings)).fit(kitchen())
         assert (found.selected, len(found.steps)) == ((), 1)
 
 
@@ -159,13 +158,14 @@ def test_selected_predicates_that_are_no_precondition_are_dropped() -> None:
     only = TruthTable(source.initial, tuple(c for c in source.pool if c.predicate.name == "after"), source.demos)
 
     class Better:
+        near_tie = 0.0
         calls = 0
 
         def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
             self.calls += 1
             return DemoScore(100.0 / self.calls)
 
-    climbing = HillClimbing(operator_learner(only, settings), Better(), published(settings))
+    climbing = HillClimbing(operator_learner(settings), Better(), published(settings)).start(IndexedTable(only))
     climbing._objective._known = _Forgetful()
     found = climbing.run()
     assert names(found.dropped) == ["after"]

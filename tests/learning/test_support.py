@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from learning.random_tables import BALL, candidate, demo, given, table
-from pix2pred.learning import LearningSettings, Published, Selection, hill_climbing, load_traces
+from pix2pred.learning import LearningSettings, Selection, hill_climbing, load_traces
 from pix2pred.learning.objective.objective import Score
-from pix2pred.learning.transitions import Data
+from pix2pred.learning.strategies import stopping_rule
+from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Action, LabelledDemo, Object, Predicate, Skill, TruthTable
 
 LABELS = Path(__file__).parents[1] / "data" / "workloads" / "coffee_reader_seed3.json.gz"
@@ -42,7 +43,7 @@ def names(predicates: tuple[Predicate, ...]) -> set[str]:
 
 def test_demonstrations_that_a_predicate_divides_are_those_where_it_is_true_of_some_objects() -> None:
     alone = lighting("alone", {A}, (A,))
-    data = Data(
+    data = IndexedTable(
         table([DONE], [LIT, BIG], [lighting("one", {B}), lighting("all", {A, B}), lighting("none", set()), alone])
     )
     assert data.demos_divided(data.predicates.index(BIG)) == 1
@@ -80,8 +81,10 @@ def score(total: float) -> Score:
 def test_a_predicate_is_superfluous_when_the_early_stop_would_not_have_asked_for_it(
     early_stop: str, fewer: float, reached: float, as_good: bool
 ) -> None:
-    settings = LearningSettings.model_validate({"early_stop": early_stop})
-    rule = Published(settings.early_stop, 100.0, looks_back=True)
+    rule = stopping_rule(
+        LearningSettings(operators="cluster-and-intersect", early_stop=early_stop, j_threshold=100, superseded="drop")
+    )
+    assert rule.looks_back
     assert rule.as_good(score(fewer), score(reached)) == as_good
 
 

@@ -9,8 +9,7 @@ import pytest
 import golden
 import kitchen_truth
 from extras import need
-from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
-from pix2pred.learning.selection.hill_climbing import Selection
+from pix2pred.learning import LearningSettings, Selection, hill_climbing, learn_operators
 from pix2pred.predicates import GrammarSettings, Labeller, LabelSettings, feature_predicates, label_demos
 from pix2pred.structs import Demo, FromFeatures, LiftedAtom, Operator, TruthTable
 from pix2pred.vlm.noise.oracle import NoisyOracle

@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Callable, Collection
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from pix2pred.learning.strategies import LEARNERS, OBJECTIVES, STOPPING_RULES
+
+
+def _one_of(names: Collection[str]) -> Callable[[str], str]:
+    def check(name: str) -> str:
+        if name not in names:
+            raise ValueError(f"should be one of {', '.join(names)}")
+        return name
+
+    return check
 
 
 class LearningSettings(BaseModel):
@@ -12,9 +24,10 @@ class LearningSettings(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    operators: Literal["cluster-and-intersect", "robust"] = Field(
-        "cluster-and-intersect", description="how operators are learned: as published, or allowing for wrong labels"
-    )
+    operators: Annotated[str, AfterValidator(_one_of(LEARNERS))] = Field(
+        "cluster-and-intersect", description="how operators are learned: cluster-and-intersect as published, robust "
+        "allowing for wrong labels", json_schema_extra={"enum": list(LEARNERS)},
+    )  # fmt: skip
     h_pre_frac: float = Field(
         0.8, ge=0, le=1, description="share of a class's transitions in which a precondition must hold"
     )
@@ -22,9 +35,11 @@ class LearningSettings(BaseModel):
         0.05, ge=0, le=1, description="share of a skill's transitions below which a class is dropped"
     )
     j_threshold: float = Field(2000.0, ge=0, description="J_thresh of the early stop (burger domains: 2000)")
-    early_stop: Literal["level", "improvement"] = Field(
-        "level", description="stop when J <= j_threshold (level) or when J fell by at most j_threshold (improvement)"
-    )
+    early_stop: Annotated[str, AfterValidator(_one_of(STOPPING_RULES))] = Field(
+        "level", json_schema_extra={"enum": list(STOPPING_RULES)},
+        description="stop when J <= j_threshold (level), when J fell by at most j_threshold (improvement), or when "
+        "nothing explains enough (explained; always with robust)",
+    )  # fmt: skip
     precondition_rule: Literal["at_least", "more_than"] = Field(
         "at_least", description="count/n >= h_pre_frac, or > with h_pre_frac = 1 meaning all"
     )
@@ -39,14 +54,19 @@ class LearningSettings(BaseModel):
     node_budget: int = Field(
         100_000, ge=1, description="search nodes per demonstration; stands in for the paper's wall-clock limit"
     )
-    engine: Literal["grouped", "exact-tree"] = Field(
-        "grouped", description="how J is computed: expected counts, or the search of section 6.2 to the letter"
-    )
+    engine: Annotated[str, AfterValidator(_one_of(OBJECTIVES))] = Field(
+        "grouped", json_schema_extra={"enum": list(OBJECTIVES)},
+        description="how J is computed: grouped by expected counts, exact-tree by the search of section 6.2 to the "
+        "letter",
+    )  # fmt: skip
     tie_seed: int = Field(0, ge=0, description="seed of the random tie-break; used by exact-tree")
 
-    def required_count(self, n: int) -> int:
-        """In how many of ``n`` transitions an atom must hold to become a precondition (method 5.4)."""
-        h = self.h_pre_frac
-        if self.precondition_rule == "more_than" and h < 1:
-            return int(h * n + 1e-9) + 1
-        return -int(-(h * n - 1e-9) // 1)
+    @property
+    def strictly_more(self) -> bool:
+        """Whether a precondition must hold in more than the share ``h_pre_frac``."""
+        return self.precondition_rule == "more_than"
+
+    @property
+    def drops_superseded(self) -> bool:
+        """Whether predicates that later ones made superfluous are dropped."""
+        return self.superseded == "drop"

@@ -44,7 +44,7 @@ class Transition:
 
 
 @dataclass(frozen=True, slots=True)
-class NumberedDemo:
+class IndexedDemo:
     """A demonstration's objects, goal atoms and length in states."""
 
     objects: ObjectIds
@@ -52,7 +52,7 @@ class NumberedDemo:
     states: int
 
 
-class Data:
+class IndexedTable:
     """The truth table in numbers. Predicates ``0..initial-1`` are the initial ones, the rest the candidates."""
 
     def __init__(self, table: TruthTable) -> None:
@@ -88,7 +88,7 @@ class Data:
         """The argument tuples for which nobody knows whether ``predicate`` is true in a state."""
         return self._unknown[demo][state].get(predicate, NOTHING)
 
-    def relabelled(self, extensions: Mapping[int, Sequence[Sequence[Extension]]]) -> Data:
+    def relabelled(self, extensions: Mapping[int, Sequence[Sequence[Extension]]]) -> IndexedTable:
         """The same demonstrations, the predicates of ``extensions`` with other values (by demonstration and state)."""
         new = copy(self)
         new._extensions = [
@@ -148,12 +148,12 @@ class Data:
     def _changes(self, predicate: int) -> dict[int, tuple[Extension, Extension]]:
         return {t: effect for t, tr in enumerate(self.transitions) if any(effect := self._difference(predicate, tr))}
 
-    def _read_demo(self, demo: LabelledDemo) -> NumberedDemo:
+    def _read_demo(self, demo: LabelledDemo) -> IndexedDemo:
         objects = tuple(sorted(self._object_ids[o] for o in demo.objects))
         goal = tuple(
             (self._predicate_ids[a.predicate], tuple(self._object_ids[o] for o in a.objects)) for a in demo.goal
         )
-        return NumberedDemo(objects, goal, len(demo.actions) + 1)
+        return IndexedDemo(objects, goal, len(demo.actions) + 1)
 
     def _read_transitions(self, demos: Sequence[LabelledDemo]) -> list[Transition]:
         skill_ids = {s: i for i, s in enumerate(self.skills)}

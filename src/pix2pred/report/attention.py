@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.learning import Verdict
+from pix2pred.learning import SupportKind
 from pix2pred.report.contents import Contents
 from pix2pred.structs import (
     Label,
@@ -112,7 +112,7 @@ def suspicions(contents: Contents) -> list[Suspicion]:
 def _broken(contents: Contents) -> Broken:
     broken: dict[tuple[str, int, str], set[str]] = defaultdict(set)
     for reading in contents.readings:
-        if reading.verdict == Verdict.SUPPORTS:
+        if reading.verdict == SupportKind.SUPPORTS:
             continue
         for atom in reading.unmet:
             broken[reading.demo, reading.step, atom].add(reading.operator)

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pix2pred.learning import Reading, load_traces, readings
+from pix2pred.learning import Support, load_traces, operator_support
 from pix2pred.predicates import CORRECTIONS, EVIDENCE, Corrections, ground_atoms
 from pix2pred.predicates.corrections import Row, read_rows, with_atoms
 from pix2pred.predicates.labelling.evidence import Evidence, load_evidence
@@ -57,9 +57,9 @@ class Contents:
         return only_labels.apply(TruthTable(self.said.initial, self.said.pool, demos)).table
 
     @cached_property
-    def readings(self) -> list[Reading]:
+    def readings(self) -> list[Support]:
         """Which transitions support or contradict which operator."""
-        return readings(self.model.operators, [d.restricted(self.model.predicates) for d in self.table.demos])
+        return operator_support(self.model.operators, [d.restricted(self.model.predicates) for d in self.table.demos])
 
     def original(self, predicate: str) -> str:
         """What the model called a predicate that may have been renamed."""

@@ -11,7 +11,7 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning import Reading, Verdict
+from pix2pred.learning import Support, SupportKind
 from pix2pred.structs import LabelledDemo, Operator
 
 WIDTH, HEIGHT, GAP_X, GAP_Y, MARGIN, ABOVE = 118.0, 50.0, 46.0, 30.0, 14.0, 84.0
@@ -50,11 +50,11 @@ class Graph:
     height: float
 
 
-def operator_graph(operators: Sequence[Operator], readings: Sequence[Reading], demos: Sequence[LabelledDemo]) -> Graph:
+def operator_graph(operators: Sequence[Operator], readings: Sequence[Support], demos: Sequence[LabelledDemo]) -> Graph:
     """Lay out ``operators`` by the transitions that support them."""
     by_name = {op.name: op for op in operators}
     used = {
-        (r.demo, r.step): r for r in readings if r.verdict == Verdict.SUPPORTS
+        (r.demo, r.step): r for r in readings if r.verdict == SupportKind.SUPPORTS
     }  # the last of several that fit equally
     nodes = _layout(operators, used, {d.name: len(d.actions) for d in demos})
     placed = {node.name: node for node in nodes}
@@ -72,7 +72,7 @@ def operator_graph(operators: Sequence[Operator], readings: Sequence[Reading], d
 
 
 def _layout(
-    operators: Sequence[Operator], used: Mapping[tuple[str, int], Reading], lengths: Mapping[str, int]
+    operators: Sequence[Operator], used: Mapping[tuple[str, int], Support], lengths: Mapping[str, int]
 ) -> list[Node]:
     when: dict[str, list[float]] = defaultdict(list)
     for (demo, step), reading in used.items():
@@ -99,7 +99,7 @@ def _layout(
 
 
 def _links(
-    operators: Mapping[str, Operator], used: Mapping[tuple[str, int], Reading], demos: Sequence[LabelledDemo]
+    operators: Mapping[str, Operator], used: Mapping[tuple[str, int], Support], demos: Sequence[LabelledDemo]
 ) -> tuple[Counter[tuple[str, str]], dict[tuple[str, str], set[str]]]:
     counts: Counter[tuple[str, str]] = Counter()
     names: dict[tuple[str, str], set[str]] = defaultdict(set)

@@ -17,7 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from pix2pred import __version__
-from pix2pred.learning import Reading, Verdict
+from pix2pred.learning import Support, SupportKind
 from pix2pred.predicates import Corrections
 from pix2pred.report.attention import suspicions, unsure
 from pix2pred.report.changes import changes
@@ -125,10 +125,10 @@ def _safe_json(data: Any) -> str:
     return text
 
 
-def _by_operator(readings: list[Reading]) -> dict[str, dict[str, list[Reading]]]:
-    grouped: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: {"for": [], "against": []})
+def _by_operator(readings: list[Support]) -> dict[str, dict[str, list[Support]]]:
+    grouped: dict[str, dict[str, list[Support]]] = defaultdict(lambda: {"for": [], "against": []})
     for reading in readings:
-        grouped[reading.operator]["for" if reading.verdict == Verdict.SUPPORTS else "against"].append(reading)
+        grouped[reading.operator]["for" if reading.verdict == SupportKind.SUPPORTS else "against"].append(reading)
     return grouped
 
 

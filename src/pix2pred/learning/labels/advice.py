@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from pix2pred.learning.labels.doubts import Doubt, Timeline, doubted
-from pix2pred.learning.objective.planning_effort import DemoScore, SkeletonSearch
-from pix2pred.learning.operators.clustering import Lifted
-from pix2pred.learning.operators.learner import ClusterAndIntersect
-from pix2pred.learning.selection.hill_climbing import HillClimbing
+from pix2pred.learning.objective.planning_effort import DemoObjective, DemoScore
+from pix2pred.learning.operators.learner import OperatorModel
+from pix2pred.learning.operators.transition_class import Lifted
+from pix2pred.learning.selection.hill_climbing import Climb, HillClimbing
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.learning.strategies import climbing_rule, hill_climbing, skeleton_search
-from pix2pred.learning.transitions import Data, Extension
+from pix2pred.learning.strategies import climbing
+from pix2pred.learning.transitions import Extension, IndexedTable
 from pix2pred.planning import Strips
 from pix2pred.structs import (
     Atom,
@@ -67,8 +67,8 @@ def advise(
     selected: Sequence[Predicate] = (),
 ) -> Advice:
     """The most probable model's predicates and their labels to check; after these come doubts about ``selected``."""
-    settings = settings.model_copy(update={"operators": "cluster-and-intersect"})
-    robust = hill_climbing(table, settings.model_copy(update={"operators": "robust"}), pinned=pinned).run()
+    published = climbing(settings.model_copy(update={"operators": "cluster-and-intersect"}))
+    robust = climbing(settings.model_copy(update={"operators": "robust"})).fit(table, pinned)
     identical = dict(robust.identical)
     rivals = {p: (p, *identical.get(p, ())) for p in robust.selected}
     timelines = doubted(table, [q for group in rivals.values() for q in group], unusual=True)
@@ -76,7 +76,7 @@ def advise(
     labels = [(t, d) for t in timelines if t.atom.predicate in chosen for d in t.doubts]
     others = doubted(table, [p for p in selected if p not in chosen], unusual=True)
     rest = [LabelAdvice(t.demo, t.atom, d, 0.0) for t in others for d in t.doubts]
-    ordered = _ordered(_only(table, chosen), settings, labels)
+    ordered = _ordered(_only(table, chosen), published, labels)
     return Advice(tuple(sorted(chosen)), (*ordered, *rest))
 
 
@@ -109,20 +109,18 @@ def _only(table: TruthTable, chosen: set[Predicate]) -> TruthTable:
     return TruthTable(table.initial, pool, tuple(d.restricted(kept) for d in table.demos))
 
 
-def _ordered(
-    table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]
-) -> list[LabelAdvice]:
+def _ordered(table: TruthTable, published: HillClimbing, labels: Sequence[tuple[Timeline, Doubt]]) -> list[LabelAdvice]:
     """By backward elimination; labels that do nothing, alone or with others, follow by how probably they are wrong."""
     if not labels:
         return []
     by_doubt = sorted(labels, key=lambda x: (-round(x[1].wrong, 6), x[0].demo, x[0].atom, x[1].state))
     considered, later = by_doubt[:MOST_CONSIDERED], by_doubt[MOST_CONSIDERED:]
-    found = _eliminated(_Learning(table, settings, labels), considered)
+    found = _eliminated(_Distance(table, published, labels), considered)
     return [LabelAdvice(t.demo, t.atom, d, gain) for (t, d), gain in (*found, *((x, 0.0) for x in later))]
 
 
 def _eliminated(
-    learning: _Learning, considered: Sequence[tuple[Timeline, Doubt]]
+    learning: _Distance, considered: Sequence[tuple[Timeline, Doubt]]
 ) -> list[tuple[tuple[Timeline, Doubt], float]]:
     """The labels, the one that can be spared least first, each with what it gains when those before it are set."""
     left = list(range(len(considered)))
@@ -145,30 +143,27 @@ def _eliminated(
     return [(considered[i], gain) for i, gain in reversed(last)]
 
 
-class _Learning:
+class _Distance:
     """How far the published learner is from the probable model, with some of the doubted labels set."""
 
-    def __init__(self, table: TruthTable, settings: LearningSettings, labels: Sequence[tuple[Timeline, Doubt]]) -> None:
-        self._data = Data(table)
+    def __init__(self, table: TruthTable, published: HillClimbing, labels: Sequence[tuple[Timeline, Doubt]]) -> None:
+        self._data = IndexedTable(table)
         self._demos = {demo.name: d for d, demo in enumerate(table.demos)}
         self._objects = {o: i for i, o in enumerate(self._data.objects)}
-        self._settings = settings
-        self._search = _Remembered(skeleton_search(settings))
-        climb, learner = self._learner(labels)
+        self._published = replace(published, objective=_Remembered(published.objective))
+        climb = self._climb(labels)
         path = [step.added for step in climb.run().steps if step.added]
         self._path = [*path, *(c.predicate for c in table.candidates() if c.predicate not in path)]
-        self._target = _operators(learner)
+        self._target = _operators(climb.model)
 
     def distance(self, labels: Sequence[tuple[Timeline, Doubt]]) -> float:
         """Operators that differ, and log J of the sets of predicates on the way to the probable model."""
-        climb, learner = self._learner(labels)
+        climb = self._climb(labels)
         j = [climb.score(self._path[: k + 1]).total for k in range(len(self._path))]
-        return sum(log(max(x, 1.0)) for x in j) + len(_operators(learner) ^ self._target)
+        return sum(log(max(x, 1.0)) for x in j) + len(_operators(climb.model) ^ self._target)
 
-    def _learner(self, labels: Sequence[tuple[Timeline, Doubt]]) -> tuple[HillClimbing, ClusterAndIntersect]:
-        learner = ClusterAndIntersect(self._data.relabelled(self._likely(labels)), self._settings)
-        rule = climbing_rule(self._settings)
-        return HillClimbing(learner, self._search, rule, static_demos=self._settings.static_demos), learner
+    def _climb(self, labels: Sequence[tuple[Timeline, Doubt]]) -> Climb:
+        return self._published.start(self._data.relabelled(self._likely(labels)))
 
     def _likely(self, labels: Sequence[tuple[Timeline, Doubt]]) -> dict[int, list[list[Extension]]]:
         """By predicate, demonstration and state what is true when ``labels`` have their likely values."""
@@ -186,28 +181,29 @@ class _Learning:
 
 
 class _Remembered:
-    """A search that is not made twice: most labels change the tasks of few demonstrations."""
+    """J of a demonstration, not computed twice: most labels change the tasks of few demonstrations."""
 
-    def __init__(self, search: SkeletonSearch) -> None:
-        self._search = search
+    def __init__(self, of_demo: DemoObjective) -> None:
+        self._of_demo = of_demo
+        self.near_tie = of_demo.near_tie
         self._known: dict[tuple[Strips | None, int], DemoScore] = {}
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
         known = self._known.get((task, states))
         if known is None or not (known.exact or known.value > bound):
-            known = self._known[task, states] = self._search(task, states, bound)
+            known = self._known[task, states] = self._of_demo(task, states, bound)
         return known
 
 
 _Rule = tuple[int, tuple[Type, ...], tuple[int, ...], frozenset[Lifted], frozenset[Lifted], frozenset[Lifted]]
 
 
-def _operators(learner: ClusterAndIntersect) -> frozenset[_Rule]:
+def _operators(model: OperatorModel) -> frozenset[_Rule]:
     """The operators over all candidates, without their numbers and support."""
-    everything = range(len(learner.data.predicates))
+    everything = range(len(model.data.predicates))
     return frozenset(
         (s.cls.skill, s.cls.types, s.cls.skill_args, frozenset(s.pre), frozenset(s.cls.add), frozenset(s.cls.delete))
-        for s in learner.schemas(learner.partition(everything), everything)
+        for s in model.schemas(model.partition(everything), everything)
     )
 
 

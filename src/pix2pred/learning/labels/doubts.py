@@ -1,7 +1,8 @@
 """Which labels are probably wrong: where the given labels disagree with the most probable values along demonstrations.
 
-The beliefs are those of ``repair``, a hidden Markov model per ground atom fitted to all demonstrations. A wrong label
-matters when its predicate does: for the operators at hand, or for those that would be learned if labels were right.
+The beliefs are those of a hidden Markov model per ground atom (``labels/hidden_markov.py``), fitted to all
+demonstrations. A wrong label matters when its predicate does: for the operators at hand, or for those that would be
+learned if labels were right.
 """
 
 from __future__ import annotations
@@ -10,9 +11,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from pix2pred.learning.labels.hidden_markov import repair
-from pix2pred.learning.operators.clustering import TransitionClass, partition
-from pix2pred.learning.transitions import Data, ObjectIds
+from pix2pred.learning.labels.hidden_markov import HiddenMarkovLabels
+from pix2pred.learning.operators.clustering import partition
+from pix2pred.learning.operators.transition_class import TransitionClass
+from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.structs import (
     Atom,
     FromVLM,
@@ -26,7 +28,8 @@ UNLIKELY = 0.5
 """Labels that are wrong with a higher probability are doubted."""
 
 RARE = 0.3
-"""A label is unusual when at most this share of its kind have its value."""
+"""A label is unusual when at most this share of its kind have its value. Chosen by hand: a share above it would call
+half of a mixed column unusual."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,14 +64,14 @@ def doubted(table: TruthTable, predicates: Iterable[Predicate], *, unusual: bool
 
     Only values that were asked of a model are doubted, and predicates that are never true have none to compare.
     """
-    data = Data(table)
+    data = IndexedTable(table)
     exact = [p for p in range(data.initial) if not isinstance(data.predicates[p].source, FromVLM)]
     wanted = {p for p in predicates if isinstance(p.source, FromVLM)}
     noisy = [i for i, p in enumerate(data.predicates) if p in wanted]
     if not noisy:
         return []
     classes = partition(data, exact)
-    repaired = repair(data, classes, noisy)
+    posterior = HiddenMarkovLabels().fit(data, classes, noisy)
     rare = _unusual(data, classes, noisy) if unusual else {}
     number = {o: i for i, o in enumerate(data.objects)}
     index = {p: i for i, p in enumerate(data.predicates)}
@@ -76,11 +79,13 @@ def doubted(table: TruthTable, predicates: Iterable[Predicate], *, unusual: bool
     for d, demo in enumerate(table.demos):
         for column, atom in enumerate(demo.atoms):
             p = index.get(atom.predicate)
-            if p is None or p not in repaired.extensions:
+            if p is None or p not in posterior.extensions:
                 continue
             args = tuple(number[o] for o in atom.objects)
             states = range(len(demo.actions) + 1)
-            beliefs = [repaired.doubt[p].get((d, s, args), float(args in repaired.extensions[p][d][s])) for s in states]
+            beliefs = [
+                posterior.belief[p].get((d, s, args), float(args in posterior.extensions[p][d][s])) for s in states
+            ]
             usual = [rare.get((p, d, s, args)) for s in states]
             if doubts := _doubts(demo, column, beliefs, usual):
                 found.append(Timeline(demo.name, atom, doubts))
@@ -105,7 +110,7 @@ def _doubts(
 
 
 def _unusual(
-    data: Data, classes: Sequence[TransitionClass], noisy: Sequence[int]
+    data: IndexedTable, classes: Sequence[TransitionClass], noisy: Sequence[int]
 ) -> dict[tuple[int, int, int, ObjectIds], float]:
     """Labels unlike most at their place, by (predicate, demonstration, state, arguments), with the share of the others.
 

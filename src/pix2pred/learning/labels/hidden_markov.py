@@ -1,177 +1,133 @@
-"""Repairing labels along demonstrations: a two-state hidden Markov model per ground atom.
+"""Inferring true values along demonstrations: a two-state hidden Markov model per ground atom.
 
-The true value of an atom is hidden, its label is wrong with the predicate's error rate, and what a transition does to
-the value depends on the transition's class and on the place the atom's objects take in it, and on nothing else. Error
-rates and effects are estimated together by expectation maximisation (Baum-Welch) over all demonstrations; then every
-effect is settled as none, add, delete or mixed by the Bayesian information criterion, and the labels are replaced by
-the most probable values (Rabiner 1989). A missing label says nothing.
+The true value of an atom is hidden; its label is wrong with the predicate's error rate; what a transition does to the
+value depends on the transition's class and on the role the atom's objects have in it, and on nothing else. Error rates
+and effects are estimated together by expectation maximisation (Baum-Welch; Rabiner 1989) over all demonstrations. Then
+every effect is settled as none, add, delete or mixed by the Bayesian information criterion, and the labels are replaced
+by the most probable values. A missing label says nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.learning.operators.clustering import Partition
-from pix2pred.learning.operators.roles import Bystanders, Places
-from pix2pred.learning.transitions import NOTHING, Data, Extension, ObjectIds
+from pix2pred.learning.labels.chains import Chains, Ints, blocks
+from pix2pred.learning.operators.robust_settings import LabelModelSettings, RoleSettings
+from pix2pred.learning.operators.roles import Bystanders, Role, Roles
+from pix2pred.learning.operators.transition_class import Partition
+from pix2pred.learning.transitions import NOTHING, Extension, IndexedTable, ObjectIds
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
-SLIP = 1e-3
-"""Probability that a transition's effect on an atom among its variables is not the settled one."""
+UNCERTAIN = 1e-9
+"""Guards logarithms and divisions of expected counts, which may be 0."""
 
-DRIFT = 1e-4
-"""Probability that a transition changes an atom that is not among its variables."""
 
-FIRST_GUESS = 0.05
-"""Error rate with which estimation starts; also the weak prior's mean."""
+class EffectKind(IntEnum):
+    """What a class of transitions does to an atom in one role; ``MIXED`` is sometimes one thing, sometimes another."""
 
-PRIOR_LABELS = 20.0
-"""How many labels the pooled error rate counts for in the estimate of one predicate's."""
-
-ROUNDS_FREE = 6
-"""Rounds of estimation before effects are settled."""
-
-CELLS = 1 << 18
-"""Labels treated at a time, which bounds memory."""
-
-EXPECTED = float(np.log(19))
-"""Log odds that a deleted atom is a precondition, before looking."""
-
-CUSTOM = float(np.log(99))
-"""Log odds that an atom has the value it always has before a transition."""
-
-PULL = 3.0
-"""How much, at most, the effects of a skill's other classes count, as log odds."""
-
-NONE, ADD, DELETE, MIXED = range(4)
+    NONE = 0
+    ADD = 1
+    DELETE = 2
+    MIXED = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Repaired:
+class LabelPosterior:
     """The most probable values of the noisy predicates, with what the model believes about them.
 
-    ``extensions[p][demo][state]`` are the argument tuples; ``doubt[p][demo, state, args]`` is the probability that the
-    atom is true where that is not near 0 or 1; ``effects[p][c, variables]`` is ADD, DELETE or MIXED, where variables
-    beyond those of the class are ``bystanders`` (see ``Places``); ``surprise[p]`` is the share of labels that are wrong
-    or the outcome of a mixed effect that mostly goes the other way.
+    - ``extensions[p][demo][state]`` are the argument tuples of which predicate ``p`` is most probably true.
+    - ``belief[p][demo, state, args]`` is the probability that the atom is true, where that is not near 0 or 1.
+    - ``effects[p][c, variables]`` says what class ``c`` does to the atom over ``variables``, where it does something;
+      variables beyond those of the class are ``bystanders`` (see ``Roles``).
+    - ``surprise[p]`` is the share of labels that are wrong, or the outcome of a mixed effect that mostly goes the other
+      way.
     """
 
     extensions: dict[int, list[list[Extension]]]
-    doubt: dict[int, dict[tuple[int, int, ObjectIds], float]]
-    effects: dict[int, dict[tuple[int, tuple[int, ...]], int]]
+    belief: dict[int, dict[tuple[int, int, ObjectIds], float]]
+    effects: dict[int, dict[Role, EffectKind]]
     surprise: dict[int, float]
     bystanders: Bystanders
 
 
-def repair(data: Data, classes: Partition, noisy: Sequence[int]) -> Repaired:
-    """Estimate errors and effects of the predicates ``noisy``, given classes of transitions made without them."""
-    bystanders = Bystanders.of(data)
-    places = Places(data, classes, bystanders, noisy)
-    result = Repaired({}, {}, {}, {}, bystanders)
-    guess, floor = FIRST_GUESS, 0.0
-    blocks = list(_blocks(data, places, noisy))
-    for _ in range(2):  # the second time with the pooled error rate of the first as the prior and the least assumed
-        rates: dict[int, float] = {}
-        for chains in blocks:
-            model = _Model(chains, places.kin(), guess, floor)
-            model.fit()
-            rates.update(zip(chains.predicates, model.rates.tolist(), strict=True))
-            result.surprise.update(zip(chains.predicates, model.surprise.tolist(), strict=True))
-            model.store(data, places, result)
-        guess = floor = float(np.clip(np.median(list(rates.values())), 1e-3, FIRST_GUESS)) if rates else guess
-    return result
-
-
 @dataclass(frozen=True, slots=True)
-class _Chains:
-    """Labels and places of ground atoms, one row each; rows of a predicate are together.
+class HiddenMarkovLabels:
+    """The model of labels, with its settings."""
 
-    ``labels`` has shape (atoms, states), -1 where there is none; ``places`` has shape (atoms, states - 1).
+    settings: LabelModelSettings = field(default_factory=LabelModelSettings)
+    roles: RoleSettings = field(default_factory=RoleSettings)
+
+    def fit(self, data: IndexedTable, classes: Partition, noisy: Sequence[int]) -> LabelPosterior:
+        """Estimate errors and effects of the predicates ``noisy``; ``classes`` of transitions are made without them."""
+        settings = self.settings
+        bystanders = Bystanders.of(data)
+        roles = Roles(data, classes, bystanders, noisy, self.roles)
+        result = LabelPosterior({}, {}, {}, {}, bystanders)
+        guess, floor = settings.error_rate, 0.0
+        chains = list(blocks(data, roles, noisy, settings.cells))
+        for _ in range(settings.passes):  # later ones take the pooled error rate as the prior and the least assumed
+            rates: dict[int, float] = {}
+            for block in chains:
+                model = _BaumWelch(block, roles.siblings(), settings, guess, floor)
+                model.fit()
+                rates.update(zip(block.predicates, model.rates.tolist(), strict=True))
+                result.surprise.update(zip(block.predicates, model.surprise.tolist(), strict=True))
+                model.store(data, roles, result)
+            if rates:
+                pooled = float(np.median(list(rates.values())))
+                guess = floor = float(np.clip(pooled, settings.least_pooled_rate, settings.error_rate))
+        return result
+
+
+class _BaumWelch:
+    """Error rates per predicate and transition probabilities per (predicate, role), fitted to one block of chains.
+
+    Roles 0 and 1 are the frame: no transition, and a transition that the atom is not about.
     """
 
-    predicates: list[int]
-    owner: Ints
-    where: list[tuple[int, ObjectIds]]
-    labels: NDArray[np.int8]
-    places: NDArray[np.int32]
-
-
-def _blocks(data: Data, places: Places, noisy: Sequence[int]) -> Iterator[_Chains]:
-    states = max((demo.states for demo in data.demos), default=0)
-    rows: list[tuple[int, int, ObjectIds]] = []
-    for p in noisy:
-        for d, demo in enumerate(data.demos):
-            atoms = places.touched(d, p).union(*(data.extension(d, s, p) for s in range(demo.states)))
-            atoms |= set().union(*(data.unknown(d, s, p) for s in range(demo.states)))
-            rows.extend((p, d, args) for args in sorted(atoms))
-        if len(rows) * states >= CELLS:
-            yield _chains(data, places, rows, states)
-            rows = []
-    if rows:
-        yield _chains(data, places, rows, states)
-
-
-def _chains(data: Data, places: Places, rows: Sequence[tuple[int, int, ObjectIds]], states: int) -> _Chains:
-    predicates = sorted({p for p, _, _ in rows})
-    number = {p: i for i, p in enumerate(predicates)}
-    labels = np.full((len(rows), states), -1, dtype=np.int8)
-    where = np.zeros((len(rows), max(states - 1, 0)), dtype=np.int32)
-    index = {row: i for i, row in enumerate(rows)}
-    for i, (p, d, args) in enumerate(rows):
-        labels[i, : data.demos[d].states] = 0
-        where[i, : data.demos[d].states - 1] = places.row(d, args, p)
-    for p in predicates:
-        for d, demo in enumerate(data.demos):
-            for s in range(demo.states):
-                for args in data.extension(d, s, p):
-                    labels[index[p, d, args], s] = 1
-                for args in data.unknown(d, s, p):
-                    labels[index[p, d, args], s] = -1
-    owner = np.array([number[p] for p, _, _ in rows], dtype=np.int64)
-    return _Chains(predicates, owner, [(d, args) for _, d, args in rows], labels, where)
-
-
-class _Model:
-    """Error rates per predicate and transition probabilities per (predicate, place), fitted to one block."""
-
-    def __init__(self, chains: _Chains, kin: Ints, guess: float, floor: float) -> None:
+    def __init__(
+        self, chains: Chains, siblings: Ints, settings: LabelModelSettings, guess: float, floor: float
+    ) -> None:
         self._chains = chains
+        self._settings = settings
         self._guess = guess
         self._floor = floor
-        self._member: Floats = (kin[:, None] == np.arange(kin.max() + 1)).astype(float)
-        n, places = len(chains.predicates), len(kin)
+        self._member: Floats = (siblings[:, None] == np.arange(siblings.max() + 1)).astype(float)
+        n, roles = len(chains.predicates), len(siblings)
         self.rates: Floats = np.full(n, guess)
-        self._up: Floats = np.full((n, places), 0.2)
-        self._down: Floats = np.full((n, places), 0.2)
-        self.effects = np.zeros((n, places), dtype=np.int64)
-        self._before: Floats = np.zeros((n, places))
+        self._up: Floats = np.full((n, roles), settings.first_change)
+        self._down: Floats = np.full((n, roles), settings.first_change)
+        self.effects = np.zeros((n, roles), dtype=np.int64)
+        self._before: Floats = np.zeros((n, roles))
         self._unforeseen: Floats = np.zeros(n)
         self._fix_frame()
-        self._index = chains.owner[:, None] * places + chains.places
+        self._index = chains.owner[:, None] * roles + chains.roles
         self._seen = chains.labels >= 0
         self.values: NDArray[np.bool_] = chains.labels == 1
         self.belief: Floats = np.zeros(chains.labels.shape)
 
     def fit(self) -> None:
         """Estimate with free effects, then settle them."""
-        for _ in range(ROUNDS_FREE):
+        settings = self._settings
+        for _ in range(settings.free_rounds):
             counts = self._expect()
-            counts = counts + 2 * self._of_kin(counts) / (self._of_kin(counts).sum((0, 1)) + 1)
-            self._up = (counts[0, 1] + 0.2) / (counts[0].sum(0) + 1.0)
-            self._down = (counts[1, 0] + 0.2) / (counts[1].sum(0) + 1.0)
+            siblings = self._of_siblings(counts)
+            counts = counts + settings.sibling_weight * siblings / (siblings.sum((0, 1)) + 1)
+            self._up = (counts[0, 1] + settings.change_prior) / (counts[0].sum(0) + settings.change_prior_total)
+            self._down = (counts[1, 0] + settings.change_prior) / (counts[1].sum(0) + settings.change_prior_total)
             self._fix_frame()
         free = self._up, self._down
-        self._settle(self._expect(), MIXED)
+        self._settle(self._expect(), mixed=False)
         self._settle_before()
         self._up, self._down = free  # that was a first opinion: what the next skill needs may overturn it
-        for choices in (MIXED, MIXED, MIXED + 1, MIXED + 1):
-            self._settle(self._expect(), choices)
+        for mixed in (*[False] * settings.unmixed_rounds, *[True] * settings.mixed_rounds):
+            self._settle(self._expect(), mixed=mixed)
             self._expect()
             self._settle_before()
         self._expect()
@@ -180,31 +136,17 @@ class _Model:
         self.surprise = self.rates + self._unforeseen / np.maximum(labels, 1)
 
     def _fix_frame(self) -> None:
-        self._up[:, :2] = self._down[:, :2] = DRIFT
+        self._up[:, :2] = self._down[:, :2] = self._settings.drift
 
     def _expect(self) -> Floats:
-        """Beliefs, error rates, and expected counts of shape (2, 2, predicates, places) of value before and after."""
-        chains, seen = self._chains, self._seen
-        rate = np.maximum(self.rates, self._floor)[chains.owner][:, None]
-        wrong_if_true = chains.labels == 0
-        like_true = np.where(seen, np.where(wrong_if_true, rate, 1 - rate), 1.0)
-        like_false = np.where(seen, np.where(wrong_if_true, 1 - rate, rate), 1.0)
-        like_true[:, :-1] *= np.exp(self._before.ravel()[self._index])
+        """Update beliefs and error rates by forward and backward messages along every chain.
+
+        Gives expected counts of shape (2, 2, predicates, roles): of value before, of value after.
+        """
+        like_true, like_false = self._likelihoods()
         up, down = self._up.ravel()[self._index], self._down.ravel()[self._index]
-        atoms, states = chains.labels.shape
-        ahead: Floats = np.empty((atoms, states))
-        behind: Floats = np.full((atoms, states), 0.5)
-        prior: Floats | float = 0.5
-        for s in range(states):
-            if s:
-                prior = ahead[:, s - 1] * (1 - down[:, s - 1]) + (1 - ahead[:, s - 1]) * up[:, s - 1]
-            true, false = prior * like_true[:, s], (1 - prior) * like_false[:, s]
-            ahead[:, s] = true / (true + false)
-        for s in range(states - 2, -1, -1):
-            if_true, if_false = like_true[:, s + 1] * behind[:, s + 1], like_false[:, s + 1] * (1 - behind[:, s + 1])
-            true = (1 - down[:, s]) * if_true + down[:, s] * if_false
-            false = up[:, s] * if_true + (1 - up[:, s]) * if_false
-            behind[:, s] = true / (true + false)
+        ahead = _forward(like_true, like_false, up, down)
+        behind = _backward(like_true, like_false, up, down)
         weight = ahead * behind
         self.belief = weight / (weight + (1 - ahead) * (1 - behind))
         self._estimate_rates()
@@ -217,42 +159,61 @@ class _Model:
         counts = [[np.bincount(self._index.ravel(), joint[x, y].ravel(), size) for y in (0, 1)] for x in (0, 1)]
         return np.array(counts).reshape(2, 2, *self._up.shape)
 
+    def _likelihoods(self) -> tuple[Floats, Floats]:
+        """How probable every label is if its atom is true, and if it is false; 1 where there is no label.
+
+        What usually holds before a transition counts as evidence for the state before it.
+        """
+        chains, seen = self._chains, self._seen
+        rate = np.maximum(self.rates, self._floor)[chains.owner][:, None]
+        wrong_if_true = chains.labels == 0
+        like_true = np.where(seen, np.where(wrong_if_true, rate, 1 - rate), 1.0)
+        like_false = np.where(seen, np.where(wrong_if_true, 1 - rate, rate), 1.0)
+        like_true[:, :-1] *= np.exp(self._before.ravel()[self._index])
+        return like_true, like_false
+
     def _estimate_rates(self) -> None:
         wrong = np.where(self._chains.labels == 1, 1 - self.belief, self.belief) * self._seen
         n = len(self._chains.predicates)
         errors = np.bincount(self._chains.owner, wrong.sum(1), n)
         labels = np.bincount(self._chains.owner, self._seen.sum(1), n)
-        self.rates = np.clip((errors + PRIOR_LABELS * self._guess) / (labels + PRIOR_LABELS), 1e-4, 0.45)
+        imagined = self._settings.prior_labels
+        rates = (errors + imagined * self._guess) / (labels + imagined)
+        self.rates = np.clip(rates, self._settings.least_rate, self._settings.greatest_rate)
 
-    def _of_kin(self, counts: Floats) -> Floats:
-        """Counts summed over places of the same kin, at each of these places."""
+    def _of_siblings(self, counts: Floats) -> Floats:
+        """Counts summed over roles that are siblings, at each of these roles."""
         return np.asarray(counts @ self._member @ self._member.T)
 
-    def _settle(self, counts: Floats, choices: int) -> None:
-        """Choose among the first ``choices`` effects at every place by penalised likelihood."""
-        kindred = self._scores(self._of_kin(counts))
-        scores = self._scores(counts) + np.maximum(kindred - kindred.max(0), -PULL)
+    def _settle(self, counts: Floats, *, mixed: bool) -> None:
+        """Choose an effect in every role by penalised likelihood, ``MIXED`` only if ``mixed``."""
+        settings = self._settings
+        of_siblings = self._scores(self._of_siblings(counts))
+        scores = self._scores(counts) + np.maximum(of_siblings - of_siblings.max(0), -settings.sibling_pull)
         stay0, rise, fall, stay1 = counts[0, 0], counts[0, 1], counts[1, 0], counts[1, 1]
-        up, down = rise / np.maximum(stay0 + rise, 1e-9), fall / np.maximum(stay1 + fall, 1e-9)
-        self.effects = np.argmax(scores[:choices], axis=0)
-        self.effects[:, :2] = NONE
-        self._up = np.choose(self.effects, [SLIP, 1 - SLIP, SLIP, np.clip(up, SLIP, 1 - SLIP)])
-        self._down = np.choose(self.effects, [SLIP, SLIP, 1 - SLIP, np.clip(down, SLIP, 1 - SLIP)])
+        up, down = rise / np.maximum(stay0 + rise, UNCERTAIN), fall / np.maximum(stay1 + fall, UNCERTAIN)
+        self.effects = np.argmax(scores if mixed else scores[: EffectKind.MIXED], axis=0)
+        self.effects[:, :2] = EffectKind.NONE
+        rare, usual = settings.slip, 1 - settings.slip
+        self._up = np.choose(self.effects, [rare, usual, rare, np.clip(up, rare, usual)])
+        self._down = np.choose(self.effects, [rare, rare, usual, np.clip(down, rare, usual)])
         self._fix_frame()
         outcomes = np.minimum(np.minimum(stay0, rise) + np.minimum(stay1, fall), counts.sum((0, 1)))
-        self._unforeseen = (outcomes * (self.effects == MIXED)).sum(1)
+        self._unforeseen = (outcomes * (self.effects == EffectKind.MIXED)).sum(1)
 
     def _scores(self, counts: Floats) -> Floats:
-        """Penalised log-likelihoods of NONE, ADD, DELETE and MIXED."""
+        """Log-likelihoods of the four kinds of effect in their order, less what each kind costs (BIC and penalties)."""
+        settings = self._settings
         stay0, rise, fall, stay1 = counts[0, 0], counts[0, 1], counts[1, 0], counts[1, 1]
-        slip = np.maximum(max(SLIP, self._floor), self.rates)[:, None]
+        slip = np.maximum(max(settings.slip, self._floor), self.rates)[:, None]
         miss, hit = np.log(slip), np.log(1 - slip)
-        penalty = 0.5 * np.log(counts.sum((0, 1)) + 1)
+        parameter = 0.5 * np.log(counts.sum((0, 1)) + 1)
+        change = parameter + settings.change_penalty
         scores: Floats = np.stack([
             (rise + fall) * miss + (stay0 + stay1) * hit,
-            (stay0 + fall) * miss + (rise + stay1) * hit - penalty - 1,
-            (stay1 + rise) * miss + (fall + stay0) * hit - penalty - 1,
-            _log_likelihood(stay0, rise) + _log_likelihood(stay1, fall) - 2 * penalty - 3,
+            (stay0 + fall) * miss + (rise + stay1) * hit - change,
+            (stay1 + rise) * miss + (fall + stay0) * hit - change,
+            _log_likelihood(stay0, rise) + _log_likelihood(stay1, fall) - 2 * parameter - settings.mixed_penalty,
         ])  # fmt: skip
         return scores
 
@@ -265,53 +226,74 @@ class _Model:
         true = 1 / (1 + np.exp(-np.clip(evidence, -30, 30)))
         index, size = self._index.ravel(), self._before.size
 
-        def by_place(values: Floats) -> Floats:
+        def by_role(values: Floats) -> Floats:
             sums: Floats = np.bincount(index, values.ravel(), size).astype(np.float64)
             return sums
 
-        total = by_place(np.ones_like(true))
-        share = by_place(true) / np.maximum(total, 1)
-        for _ in range(10):
+        total = by_role(np.ones_like(true))
+        share = by_role(true) / np.maximum(total, 1)
+        for _ in range(self._settings.custom_rounds):
             weighted = share[self._index] * true
-            share = by_place(weighted / (weighted + (1 - share[self._index]) * (1 - true))) / np.maximum(total, 1)
+            share = by_role(weighted / (weighted + (1 - share[self._index]) * (1 - true))) / np.maximum(total, 1)
         mixture = share[self._index] * true + (1 - share[self._index]) * (1 - true)
         effects = self.effects.ravel()
+        expected = np.log(self._settings.precondition_odds)
         scores = np.stack([
-            by_place(np.log(mixture)) - 0.5 * np.log(total + 1),
-            by_place(np.log(true)) + EXPECTED * (effects == DELETE),
-            by_place(np.log1p(-true)) + EXPECTED * (effects == ADD),
+            by_role(np.log(mixture)) - 0.5 * np.log(total + 1),
+            by_role(np.log(true)) + expected * (effects == EffectKind.DELETE),
+            by_role(np.log1p(-true)) + expected * (effects == EffectKind.ADD),
         ])  # fmt: skip
         settled = np.argmax(scores, axis=0)
-        self._before = np.choose(settled, [0.0, CUSTOM, -CUSTOM]).reshape(self._before.shape)
+        custom = float(np.log(self._settings.custom_odds))
+        self._before = np.choose(settled, [0.0, custom, -custom]).reshape(self._before.shape)
         self._before[:, :2] = 0.0
 
-    def store(self, data: Data, places: Places, result: Repaired) -> None:
-        """Put values, doubts and effects of this block's predicates into ``result``."""
+    def store(self, data: IndexedTable, roles: Roles, result: LabelPosterior) -> None:
+        """Put values, beliefs and effects of this block's predicates into ``result``."""
         chains = self._chains
+        inside = chains.in_demonstration()
         for i, p in enumerate(chains.predicates):
             result.extensions[p] = [[NOTHING] * demo.states for demo in data.demos]
-            result.doubt[p] = {}
-            result.effects[p] = {places.keys[k]: int(self.effects[i, k]) for k in np.flatnonzero(self.effects[i])}
+            result.belief[p] = {}
+            changed = np.flatnonzero(self.effects[i])
+            result.effects[p] = {roles.keys[k]: EffectKind(self.effects[i, k]) for k in changed}
         columns: dict[tuple[int, int, int], list[ObjectIds]] = {}
-        for i, s in np.argwhere(self.values & self._inside()):
+        for i, s in np.argwhere(self.values & inside):
             d, args = chains.where[i]
             columns.setdefault((chains.predicates[chains.owner[i]], d, int(s)), []).append(args)
         for (p, d, s), found in columns.items():
             result.extensions[p][d][s] = frozenset(found)
-        for i, s in np.argwhere((abs(self.belief - 0.5) < 0.4999) & self._inside()):
+        doubted = abs(self.belief - 0.5) < 0.5 - self._settings.doubt_margin
+        for i, s in np.argwhere(doubted & inside):
             d, args = chains.where[i]
-            result.doubt[chains.predicates[chains.owner[i]]][d, int(s), args] = float(self.belief[i, s])
+            result.belief[chains.predicates[chains.owner[i]]][d, int(s), args] = float(self.belief[i, s])
 
-    def _inside(self) -> NDArray[np.bool_]:
-        lengths = np.concatenate([self._chains.places > 0, np.zeros((len(self._chains.labels), 1), bool)], axis=1)
-        inside = lengths.copy()
-        inside[:, 1:] |= lengths[:, :-1]
-        inside[:, 0] = True
-        return inside
+
+def _forward(like_true: Floats, like_false: Floats, up: Floats, down: Floats) -> Floats:
+    """The probability that every atom is true in every state, given its labels up to this state."""
+    ahead: Floats = np.empty(like_true.shape)
+    prior: Floats | float = 0.5
+    for s in range(like_true.shape[1]):
+        if s:
+            prior = ahead[:, s - 1] * (1 - down[:, s - 1]) + (1 - ahead[:, s - 1]) * up[:, s - 1]
+        true, false = prior * like_true[:, s], (1 - prior) * like_false[:, s]
+        ahead[:, s] = true / (true + false)
+    return ahead
+
+
+def _backward(like_true: Floats, like_false: Floats, up: Floats, down: Floats) -> Floats:
+    """The share that "true" has in the likelihood of all labels after a state, against "false"."""
+    behind: Floats = np.full(like_true.shape, 0.5)
+    for s in range(like_true.shape[1] - 2, -1, -1):
+        if_true, if_false = like_true[:, s + 1] * behind[:, s + 1], like_false[:, s + 1] * (1 - behind[:, s + 1])
+        true = (1 - down[:, s]) * if_true + down[:, s] * if_false
+        false = up[:, s] * if_true + (1 - up[:, s]) * if_false
+        behind[:, s] = true / (true + false)
+    return behind
 
 
 def _log_likelihood(a: Floats, b: Floats) -> Floats:
     """Maximal log-likelihood of ``a`` and ``b`` (expected) outcomes of two kinds."""
-    n = np.maximum(a + b, 1e-9)
-    likelihood: Floats = a * np.log(np.maximum(a, 1e-9) / n) + b * np.log(np.maximum(b, 1e-9) / n)
+    n = np.maximum(a + b, UNCERTAIN)
+    likelihood: Floats = a * np.log(np.maximum(a, UNCERTAIN) / n) + b * np.log(np.maximum(b, UNCERTAIN) / n)
     return likelihood

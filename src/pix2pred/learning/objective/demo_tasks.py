@@ -1,7 +1,8 @@
 """Demonstrations as small planning tasks: grounding learned operators and simplifying (method 6.5, items 1 and 5).
 
 Operators with few parameters are grounded once per set of objects, over all of them, and shared by all candidate sets.
-Wrong labels can give operators of eight parameters and more: then only reachable instances are made (6.5, item 8).
+Wrong labels can give operators of eight parameters and more; then only reachable instances are made (method 6.5,
+item 8).
 """
 
 from __future__ import annotations
@@ -10,9 +11,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
 
-from pix2pred.learning.operators.cluster_and_intersect import Schema, to_operator
-from pix2pred.learning.operators.clustering import Lifted
-from pix2pred.learning.transitions import Data, NumberedDemo, ObjectIds
+from pix2pred.learning.operators.transition_class import Lifted, OperatorSchema, to_operator
+from pix2pred.learning.transitions import IndexedDemo, IndexedTable, ObjectIds
 from pix2pred.planning import Strips, ground
 from pix2pred.structs import Atom, Type
 
@@ -32,10 +32,10 @@ class _Grounding:
     bits: tuple[GroundBits, ...]
 
 
-class Scene:
+class SharedGroundings:
     """A set of objects shared by demonstrations, with one numbering of their facts and remembered groundings."""
 
-    def __init__(self, data: Data, objects: ObjectIds) -> None:
+    def __init__(self, data: IndexedTable, objects: ObjectIds) -> None:
         self._data = data
         self._objects = objects
         self._of_type: dict[str, list[int]] = {}
@@ -57,11 +57,11 @@ class Scene:
             result |= self.bit(predicate, objects)
         return result
 
-    def instances(self, schema: Schema) -> int:
+    def instances(self, schema: OperatorSchema) -> int:
         """An upper bound on how many instances ``ground`` gives."""
         return prod([len(self._domain(t)) for t in schema.cls.types])
 
-    def ground(self, schema: Schema) -> tuple[GroundBits, ...]:
+    def ground(self, schema: OperatorSchema) -> tuple[GroundBits, ...]:
         """All instances of ``schema`` over distinct objects of the scene."""
         key = (id(schema.cls), schema.pre)
         if key not in self._complete:
@@ -72,7 +72,7 @@ class Scene:
             )
         return self._complete[key]
 
-    def _ground_effects(self, schema: Schema) -> _Grounding:
+    def _ground_effects(self, schema: OperatorSchema) -> _Grounding:
         cls = schema.cls
         if id(cls) not in self._effects:
             bindings = tuple(self._bindings(schema))
@@ -80,7 +80,7 @@ class Scene:
             self._effects[id(cls)] = (cls, _Grounding(bindings, bits))  # keeps the class alive, so its id stays its own
         return self._effects[id(cls)][1]
 
-    def _bindings(self, schema: Schema) -> Iterator[ObjectIds]:
+    def _bindings(self, schema: OperatorSchema) -> Iterator[ObjectIds]:
         yield from _injections([self._domain(t) for t in schema.cls.types], ())
 
     def _domain(self, t: Type) -> list[int]:
@@ -175,7 +175,7 @@ class _Compactor:
 
 
 def ground_task(
-    data: Data, scene: Scene, d: int, operators: Sequence[Schema], predicates: Iterable[int]
+    data: IndexedTable, scene: SharedGroundings, d: int, operators: Sequence[OperatorSchema], predicates: Iterable[int]
 ) -> Strips | None:
     """The relevant part of demonstration ``d`` as a planning task over ``predicates``.
 
@@ -197,8 +197,10 @@ def ground_task(
     return relevant_task(tuple(reachable), task.strips.initial, task.strips.goal) if task.goal_reachable else None
 
 
-def initial_and_goal(data: Data, scene: Scene, index: int, predicates: Iterable[int]) -> tuple[int, int]:
+def initial_and_goal(
+    data: IndexedTable, scene: SharedGroundings, index: int, predicates: Iterable[int]
+) -> tuple[int, int]:
     """The initial facts over ``predicates`` and the goal facts of a demonstration, as bits."""
-    demo: NumberedDemo = data.demos[index]
+    demo: IndexedDemo = data.demos[index]
     initial = scene.mask((p, objects) for p in sorted(predicates) for objects in sorted(data.extension(index, 0, p)))
     return initial, scene.mask(demo.goal)

@@ -23,6 +23,7 @@ class ExactTree:
     node_budget: int
     seed: int = 0
     epsilon: float = 1e-4
+    near_tie: float = 0.0
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
         if task is None:

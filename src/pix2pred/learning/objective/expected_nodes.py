@@ -50,7 +50,7 @@ class _Plateau:
 
 
 @dataclass(frozen=True, slots=True)
-class Grouped:
+class ExpectedNodes:
     """Deterministic, and cheap where many operator sequences pass through few states.
 
     ``epsilon`` is how much of J_d may be left uncounted when the search stops; ``node_budget`` bounds created nodes.
@@ -59,11 +59,12 @@ class Grouped:
     max_plans: int
     node_budget: int
     epsilon: float = 0.01
+    near_tie: float = 1.0
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
         if task is None:
             return UNREACHABLE
-        search = _GroupedSearch(task)
+        search = _PlateauSearch(task)
         effort = Effort(states, self.max_plans)
         while search.plateaus:
             f = min(search.plateaus)
@@ -94,7 +95,7 @@ class Grouped:
             effort.skeleton(states, first + (last - first) * i / goals)
 
 
-class _GroupedSearch:
+class _PlateauSearch:
     """Open nodes by f, each a (g, state) with a multiplicity; ``nodes`` counts created tree nodes."""
 
     def __init__(self, task: Strips) -> None:

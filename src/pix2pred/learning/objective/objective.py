@@ -6,11 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pix2pred.learning.objective.demo_tasks import Scene, ground_task
-from pix2pred.learning.objective.planning_effort import UPPER_BOUND, DemoScore, SkeletonSearch
-from pix2pred.learning.operators.cluster_and_intersect import Schema
-from pix2pred.learning.operators.clustering import Partition
-from pix2pred.learning.operators.learner import OperatorLearner
+from pix2pred.learning.objective.demo_tasks import SharedGroundings, ground_task
+from pix2pred.learning.objective.planning_effort import UPPER_BOUND, DemoObjective, DemoScore
+from pix2pred.learning.operators.learner import OperatorModel
+from pix2pred.learning.operators.transition_class import OperatorSchema, Partition
 from pix2pred.learning.transitions import ObjectIds
 from pix2pred.planning import GroundingBudgetError, Strips
 
@@ -35,7 +34,7 @@ class PartialSum:
     """J of a predicate set over the demonstrations looked at so far: a lower bound, since no term is negative."""
 
     predicates: tuple[int, ...]
-    operators: Sequence[Schema]
+    operators: Sequence[OperatorSchema]
     total: float
     demos: list[float | None]
     charges: float = 0.0
@@ -71,7 +70,7 @@ OVERSIZED = DemoScore(UPPER_BOUND, budget_hit=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class DemoQuery:
     """J_d of the set that ``part`` belongs to, or a lower bound on it that exceeds ``bound``."""
 
     part: PartialSum
@@ -82,12 +81,12 @@ class Request:
 class Objective:
     """Scores predicate sets over one data set, remembering what demonstrations with equal tasks cost."""
 
-    def __init__(self, learner: OperatorLearner, search: SkeletonSearch, map_: Map = map) -> None:
-        self._learner = learner
-        self._data = learner.data
-        self._search = search
+    def __init__(self, model: OperatorModel, of_demo: DemoObjective, map_: Map = map) -> None:
+        self._model = model
+        self._data = model.data
+        self._of_demo = of_demo
         self._map = map_
-        self._scenes: dict[ObjectIds, Scene] = {}
+        self._scenes: dict[ObjectIds, SharedGroundings] = {}
         self._known: dict[TaskKey, DemoScore] = {}
         self.searches = 0
 
@@ -95,18 +94,18 @@ class Objective:
         """J of the initial predicates with ``chosen``, whose transitions are partitioned into ``classes``."""
         sum_ = self.begin(chosen, classes)
         demos = range(len(self._data.demos))
-        for d, score in zip(demos, self.score_demos([Request(sum_, d, float("inf")) for d in demos]), strict=True):
+        for d, score in zip(demos, self.score_demos([DemoQuery(sum_, d, float("inf")) for d in demos]), strict=True):
             sum_.add(d, score)
         return sum_.score()
 
     def begin(self, chosen: Sequence[int], classes: Partition) -> PartialSum:
         """J of a set before any demonstration is looked at: the cost of its predicates."""
         predicates = (*range(self._data.initial), *chosen)
-        operators = self._learner.schemas(classes, predicates)
+        operators = self._model.schemas(classes, predicates)
         cost = W_PRED * sum(self._data.cost(p) for p in chosen)
         return PartialSum(predicates, operators, cost, [None] * len(self._data.demos))
 
-    def score_demos(self, requests: Sequence[Request]) -> list[DemoScore]:
+    def score_demos(self, requests: Sequence[DemoQuery]) -> list[DemoScore]:
         """J_d for every request. Searches that are the same are made once, for the largest bound."""
         keys = [self._key(r.part, r.d) for r in requests]
         wanted: dict[TaskKey, float] = {}
@@ -114,7 +113,7 @@ class Objective:
             known = self._known.get(key) if key else OVERSIZED
             if key and (known is None or (not known.exact and known.value <= request.bound)):
                 wanted[key] = max(request.bound, wanted.get(key, 0.0))
-        searches = [(self._search, *key, bound) for key, bound in wanted.items()]
+        searches = [(self._of_demo, *key, bound) for key, bound in wanted.items()]
         self._known.update(zip(wanted, self._map(_search, searches), strict=True))
         self.searches += len(searches)
         return [self._known[key] if key else OVERSIZED for key in keys]
@@ -124,7 +123,7 @@ class Objective:
         demo = self._data.demos[d]
         scene = self._scenes.get(demo.objects)
         if scene is None:
-            scene = self._scenes[demo.objects] = Scene(self._data, demo.objects)
+            scene = self._scenes[demo.objects] = SharedGroundings(self._data, demo.objects)
         try:
             task = ground_task(self._data, scene, d, part.operators, part.predicates)
         except GroundingBudgetError:
@@ -132,6 +131,6 @@ class Objective:
         return task, demo.states
 
 
-def _search(request: tuple[SkeletonSearch, Strips | None, int, float]) -> DemoScore:
+def _search(request: tuple[DemoObjective, Strips | None, int, float]) -> DemoScore:
     search, task, states, bound = request
     return search(task, states, bound)

@@ -31,13 +31,18 @@ class DemoScore:
     budget_hit: bool = False
 
 
-class SkeletonSearch(Protocol):
-    """A way to compute J_d."""
+class DemoObjective(Protocol):
+    """A way to say what one demonstration adds to J. A new one is one file with one class."""
+
+    @property
+    def near_tie(self) -> float:
+        """Difference of J, in nodes, within which two sets are equally good as far as this way of counting can tell."""
+        ...
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
-        """Score a demonstration of ``states`` states; ``task`` is None when the goal is unreachable.
+        """J_d of a demonstration of ``states`` states; ``task`` is None when the goal is unreachable.
 
-        The search may stop once J_d is certain to exceed ``bound``.
+        The computation may stop once J_d is certain to exceed ``bound``, and then gives a lower bound that does.
         """
         ...
 

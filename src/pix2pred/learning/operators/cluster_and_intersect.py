@@ -1,4 +1,4 @@
-"""Operators by cluster and intersect: soft-intersection preconditions, pruning of rare classes (method 5.4-5.5)."""
+"""The published learner: equal effects, soft intersection of preconditions, rare classes dropped (method 5.1-5.5)."""
 
 from __future__ import annotations
 
@@ -6,59 +6,86 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning.operators.clustering import Lifted, Partition, TransitionClass
-from pix2pred.learning.settings import LearningSettings
-from pix2pred.learning.transitions import Data
-from pix2pred.structs import LiftedAtom, Operator, Variable
+from pix2pred.learning.operators.clustering import partition, refine
+from pix2pred.learning.operators.transition_class import Lifted, OperatorSchema, Partition, TransitionClass
+from pix2pred.learning.transitions import IndexedTable
+
+ROUNDING = 1e-9
+"""Slack in comparing a count with a share of another: 0.8 of 5 transitions is 4, whatever the last bit says."""
 
 
 @dataclass(frozen=True, slots=True)
-class Schema:
-    """An operator in numbers: its class, its number in ``Op<number>``, and its preconditions."""
+class ClusterAndIntersect:
+    """Settings of the published learner.
 
-    number: int
-    cls: TransitionClass
-    pre: tuple[Lifted, ...]
+    An atom is a precondition where it holds in a share ``h_pre_frac`` of a class's transitions: at least that share, or
+    more than it where ``strictly`` (1 then means all). A class with less than a share ``h_data_frac`` of its skill's
+    transitions is dropped.
+    """
 
+    h_pre_frac: float = 0.8
+    h_data_frac: float = 0.05
+    strictly: bool = False
 
-def schemas(data: Data, classes: Partition, predicates: Sequence[int], settings: LearningSettings) -> list[Schema]:
-    """The operators of the classes that enough transitions support; numbers keep the gaps (method 5.5)."""
-    per_skill = Counter(cls.skill for cls in classes for _ in cls.members)
-    kept = []
-    for number, cls in enumerate(classes):
-        if len(cls.members) >= settings.h_data_frac * per_skill[cls.skill] - 1e-9:
-            kept.append(Schema(number, cls, preconditions(data, cls, predicates, settings)))
-    return kept
+    def fit(self, data: IndexedTable) -> IntersectedOperators:
+        """Operators of ``data``, whose labels are taken at their word."""
+        return IntersectedOperators(data, self)
 
-
-def preconditions(
-    data: Data, cls: TransitionClass, predicates: Sequence[int], settings: LearningSettings
-) -> tuple[Lifted, ...]:
-    """Atoms over the class's variables that hold beforehand in enough of its members (method 5.4)."""
-    needed = max(1, settings.required_count(len(cls.members)))
-    return tuple(
-        (p, variables)
-        for p in sorted(predicates)
-        for variables, count in cls.counts_before(data, p).items()
-        if count >= needed
-    )
+    def required_count(self, n: int) -> int:
+        """In how many of ``n`` transitions an atom must hold to become a precondition (method 5.4)."""
+        share = self.h_pre_frac * n
+        if self.strictly and self.h_pre_frac < 1:
+            return int(share + ROUNDING) + 1
+        return -int(-(share - ROUNDING) // 1)
 
 
-def to_operator(data: Data, schema: Schema) -> Operator:
-    """The operator with names: variables ``?x0, ?x1, ...`` in the order of the first member's object names."""
-    cls = schema.cls
-    variables = tuple(Variable(f"?x{i}", t) for i, t in enumerate(cls.types))
+@dataclass(frozen=True, slots=True)
+class IntersectedOperators:
+    """The published operators of one data set."""
 
-    def atoms(lifted: Sequence[Lifted]) -> frozenset[LiftedAtom]:
-        return frozenset(LiftedAtom(data.predicates[p], tuple(variables[v] for v in args)) for p, args in lifted)
+    data: IndexedTable
+    settings: ClusterAndIntersect
 
-    return Operator(
-        f"Op{schema.number}",
-        variables,
-        atoms(schema.pre),
-        atoms(cls.add),
-        atoms(cls.delete),
-        data.skills[cls.skill],
-        tuple(variables[v] for v in cls.skill_args),
-        len(cls.members),
-    )
+    @property
+    def unreliable(self) -> frozenset[int]:
+        return frozenset()
+
+    def partition(self, predicates: Sequence[int]) -> Partition:
+        return partition(self.data, predicates)
+
+    def refine(self, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
+        return refine(self.data, classes, predicates, added)
+
+    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[OperatorSchema]:
+        """The operators of the classes that enough transitions support; numbers keep the gaps (method 5.5)."""
+        per_skill = Counter(cls.skill for cls in classes for _ in cls.members)
+        return [
+            OperatorSchema(number, cls, self._preconditions(cls, predicates))
+            for number, cls in enumerate(classes)
+            if len(cls.members) >= self.settings.h_data_frac * per_skill[cls.skill] - ROUNDING
+        ]
+
+    def price(self, candidate: int) -> float:
+        return self.data.cost(candidate)
+
+    def doubt(self, candidate: int) -> float:
+        return 0.0
+
+    def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
+        """Transitions of dropped classes and members in which a precondition over the last candidate does not hold."""
+        kept = self.schemas(classes, (*range(self.data.initial), *chosen))
+        count = len(self.data.transitions) - sum(len(s.cls.members) for s in kept)
+        for schema in kept:
+            before = schema.cls.counts_before(self.data, chosen[-1])
+            count += sum(len(schema.cls.members) - before[v] for p, v in schema.pre if p == chosen[-1])
+        return count
+
+    def _preconditions(self, cls: TransitionClass, predicates: Sequence[int]) -> tuple[Lifted, ...]:
+        """Atoms over the class's variables that hold beforehand in enough of its members (method 5.4)."""
+        needed = max(1, self.settings.required_count(len(cls.members)))
+        return tuple(
+            (p, variables)
+            for p in sorted(predicates)
+            for variables, count in cls.counts_before(self.data, p).items()
+            if count >= needed
+        )

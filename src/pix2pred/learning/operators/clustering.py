@@ -7,114 +7,24 @@ re-partitions the classes in which that predicate changes (method 6.5, item 7).
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import chain, product
+from dataclasses import dataclass, replace
 
-from pix2pred.learning.transitions import Data, ObjectIds
+from pix2pred.learning.operators.transition_class import Lifted, Member, Partition, TransitionClass
+from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.structs import Type
-
-Lifted = tuple[int, tuple[int, ...]]
-"""(predicate, variable numbers)."""
 
 Effect = tuple[int, bool, ObjectIds]
 """(predicate, added rather than deleted, objects)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Member:
-    """A transition of a class and the objects its variables stand for."""
-
-    transition: int
-    objects: ObjectIds
-
-
-@dataclass(slots=True)
-class Memo:
-    """What follows from a class's members alone: the variable of each object, and by predicate what holds before each
-    member and in how many. What a ``whole`` of which these ``members`` are a part knows is taken from there."""
-
-    variables: list[dict[int, int]] = field(default_factory=list)
-    held: dict[int, list[list[tuple[int, ...]]]] = field(default_factory=dict)
-    before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
-    whole: Memo | None = None
-    members: Sequence[int] = ()
-
-    def of(self, members: Sequence[int]) -> Memo:
-        """The same for some of the members, the variables unchanged."""
-        return Memo([self.variables[i] for i in members] if self.variables else [], whole=self, members=members)
-
-    def held_before(self, predicate: int) -> list[list[tuple[int, ...]]] | None:
-        """What holds before each member, if it is known."""
-        if predicate not in self.held and self.whole is not None:
-            known = self.whole.held_before(predicate)
-            if known is not None:
-                self.held[predicate] = [known[i] for i in self.members]
-        return self.held.get(predicate)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TransitionClass:
-    """Transitions of one skill with the same effects up to renaming; variable i has type ``types[i]``."""
-
-    skill: int
-    types: tuple[Type, ...]
-    skill_args: tuple[int, ...]
-    add: tuple[Lifted, ...]
-    delete: tuple[Lifted, ...]
-    members: tuple[Member, ...]
-    memo: Memo = field(default_factory=Memo)
-
-    @property
-    def first(self) -> int:
-        """The first transition: classes are ordered by it."""
-        return self.members[0].transition
-
-    def variables(self) -> list[dict[int, int]]:
-        """For every member, the variable that an object is bound to."""
-        if not self.memo.variables:
-            self.memo.variables = [{o: v for v, o in enumerate(member.objects)} for member in self.members]
-        return self.memo.variables
-
-    def counts_before(self, data: Data, predicate: int) -> dict[tuple[int, ...], int]:
-        """In how many members each atom of ``predicate`` over the variables holds before the skill."""
-        before = self.memo.before
-        if predicate not in before:
-            counts = Counter(chain.from_iterable(self.held_before(data, predicate)))
-            before[predicate] = dict(sorted(counts.items()))
-        return before[predicate]
-
-    def held_before(self, data: Data, predicate: int) -> list[list[tuple[int, ...]]]:
-        """For every member, the atoms of ``predicate`` over the variables that hold before the skill."""
-        known = self.memo.held_before(predicate)
-        if known is None:
-            known = self.memo.held[predicate] = list(self._lifted_before(data, predicate))
-        return known
-
-    def _lifted_before(self, data: Data, predicate: int) -> Iterator[list[tuple[int, ...]]]:
-        wanted = data.predicates[predicate].types
-        atoms = list(product(*([v for v, t in enumerate(self.types) if t.is_a(w)] for w in wanted)))
-        for member, variable in zip(self.members, self.variables(), strict=True):
-            true = data.before(member.transition, predicate) if atoms else ()
-            if len(true) <= len(atoms):
-                found = [tuple([variable.get(o, -1) for o in args]) for args in true]
-                yield [lifted for lifted in found if -1 not in lifted]
-            else:
-                objects = member.objects
-                yield [lifted for lifted in atoms if tuple([objects[v] for v in lifted]) in true]
-
-
-Partition = tuple[TransitionClass, ...]
-"""Classes ordered by first transition; class i becomes operator ``Op<i>``."""
-
-
-def partition(data: Data, predicates: Sequence[int]) -> Partition:
+def partition(data: IndexedTable, predicates: Sequence[int]) -> Partition:
     """Partition all transitions over ``predicates``."""
     return _cluster(data, predicates, range(len(data.transitions)))
 
 
-def refine(data: Data, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
+def refine(data: IndexedTable, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
     """``partition(data, [*predicates, added])``, given the partition over ``predicates``.
 
     Classes in which ``added`` never changes are kept as they are, identity included.
@@ -144,7 +54,7 @@ class _Change:
 UNCHANGED = _Change((), frozenset(), frozenset())
 
 
-def _split(data: Data, cls: TransitionClass, added: int) -> Partition | None:
+def _split(data: IndexedTable, cls: TransitionClass, added: int) -> Partition | None:
     """The parts of ``cls`` by what ``added`` does to its variables and to other objects.
 
     ``None`` where that does not settle it, because a member's binding is one of several: when several variables of one
@@ -207,7 +117,7 @@ def _part(cls: TransitionClass, numbered: Sequence[tuple[int, Member]], added: i
     )
 
 
-def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) -> Partition:
+def _cluster(data: IndexedTable, predicates: Sequence[int], transitions: Sequence[int]) -> Partition:
     buckets: dict[tuple[object, ...], list[list[Member]]] = defaultdict(list)
     effects = {t: _effects(data, predicates, t) for t in transitions}
     for t in transitions:
@@ -224,7 +134,7 @@ def _cluster(data: Data, predicates: Sequence[int], transitions: Sequence[int]) 
     return tuple(sorted(classes, key=lambda c: c.first))
 
 
-def _effects(data: Data, predicates: Sequence[int], t: int) -> list[Effect]:
+def _effects(data: IndexedTable, predicates: Sequence[int], t: int) -> list[Effect]:
     found: list[Effect] = []
     for p in predicates:
         added, deleted = data.effects(p, t)
@@ -236,7 +146,7 @@ def _effects(data: Data, predicates: Sequence[int], t: int) -> list[Effect]:
     return found
 
 
-def _invariant(data: Data, t: int, effects: Sequence[Effect]) -> tuple[object, ...]:
+def _invariant(data: IndexedTable, t: int, effects: Sequence[Effect]) -> tuple[object, ...]:
     """Equal for transitions that unify: arguments by position, other objects by type only."""
     tr = data.transitions[t]
     position: dict[int, object] = {}
@@ -255,7 +165,7 @@ def _invariant(data: Data, t: int, effects: Sequence[Effect]) -> tuple[object, .
     )
 
 
-def _unify(data: Data, first: Member, a: Sequence[Effect], t: int, b: Sequence[Effect]) -> ObjectIds | None:
+def _unify(data: IndexedTable, first: Member, a: Sequence[Effect], t: int, b: Sequence[Effect]) -> ObjectIds | None:
     """What the variables of ``first`` stand for in transition ``t``: the first bijection in sorted order, if any."""
     target = set(b)
     mapping = dict(zip(data.transitions[first.transition].args, data.transitions[t].args, strict=True))
@@ -269,7 +179,12 @@ def _unify(data: Data, first: Member, a: Sequence[Effect], t: int, b: Sequence[E
 
 
 def _assignments(
-    data: Data, mapping: dict[int, int], free: list[int], rest: list[int], a: Sequence[Effect], target: set[Effect]
+    data: IndexedTable,
+    mapping: dict[int, int],
+    free: list[int],
+    rest: list[int],
+    a: Sequence[Effect],
+    target: set[Effect],
 ) -> Iterator[dict[int, int]]:
     """Extend ``mapping`` over ``free`` onto ``rest``, types kept, every fully mapped effect found in ``target``."""
     for p, added, objects in a:
@@ -285,7 +200,7 @@ def _assignments(
             yield from _assignments(data, {**mapping, head: o}, tail, others, a, target)
 
 
-def _lift(data: Data, members: Sequence[Member], effects: dict[int, list[Effect]]) -> TransitionClass:
+def _lift(data: IndexedTable, members: Sequence[Member], effects: dict[int, list[Effect]]) -> TransitionClass:
     first = members[0]
     number = {o: i for i, o in enumerate(first.objects)}
     lifted = [(p, added, tuple(number[o] for o in objects)) for p, added, objects in effects[first.transition]]

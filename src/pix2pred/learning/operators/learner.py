@@ -1,21 +1,23 @@
-"""What selection asks of a way to learn operators, and the published way."""
+"""What selection asks of a way to learn operators.
+
+A learner is an object with its settings; ``fit`` looks at one table of labels and gives an ``OperatorModel``, which
+then has operators for every subset of the predicates. A new learner is one file with these two classes.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Protocol
 
-from pix2pred.learning.operators.cluster_and_intersect import Schema, schemas
-from pix2pred.learning.operators.clustering import Partition, partition, refine
-from pix2pred.learning.settings import LearningSettings
-from pix2pred.learning.transitions import Data
+from pix2pred.learning.operators.transition_class import OperatorSchema, Partition
+from pix2pred.learning.transitions import IndexedTable
 
 
-class OperatorLearner(Protocol):
-    """Operators for any subset of the predicates of one data set."""
+class OperatorModel(Protocol):
+    """Operators for any subset of the predicates of one data set. Predicates are numbers of ``data``."""
 
     @property
-    def data(self) -> Data:
+    def data(self) -> IndexedTable:
         """The demonstrations, with the labels this learner believes."""
         ...
 
@@ -32,12 +34,13 @@ class OperatorLearner(Protocol):
         """``partition([*predicates, added])``, given ``classes``, which is the partition over ``predicates``."""
         ...
 
-    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
+    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[OperatorSchema]:
         """The operators of ``classes``."""
         ...
 
     def price(self, candidate: int) -> float:
-        """What a candidate costs, doubts about its labels included: the cheaper of two that serve alike is taken."""
+        """What a candidate costs, in arguments, doubts about its labels included: of two that serve alike the cheaper
+        is taken."""
         ...
 
     def doubt(self, candidate: int) -> float:
@@ -45,38 +48,14 @@ class OperatorLearner(Protocol):
         ...
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
-        """How badly the operators learned with ``chosen`` account for the labels of the last of them."""
+        """How badly the operators learned with ``chosen`` account for the labels of the last of them; less is better,
+        and values of one learner alone are compared."""
         ...
 
 
-class ClusterAndIntersect:
-    """The published learner: equal effects, soft intersection of preconditions, rare classes dropped (method 5)."""
+class OperatorLearner(Protocol):
+    """A way to learn operators, with its settings."""
 
-    def __init__(self, data: Data, settings: LearningSettings) -> None:
-        self.data = data
-        self.unreliable = frozenset[int]()
-        self._settings = settings
-
-    def partition(self, predicates: Sequence[int]) -> Partition:
-        return partition(self.data, predicates)
-
-    def refine(self, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
-        return refine(self.data, classes, predicates, added)
-
-    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
-        return schemas(self.data, classes, predicates, self._settings)
-
-    def price(self, candidate: int) -> float:
-        return self.data.cost(candidate)
-
-    def doubt(self, candidate: int) -> float:
-        return 0.0
-
-    def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
-        """Transitions of dropped classes and members in which a precondition over the last candidate does not hold."""
-        kept = self.schemas(classes, (*range(self.data.initial), *chosen))
-        count = len(self.data.transitions) - sum(len(s.cls.members) for s in kept)
-        for schema in kept:
-            before = schema.cls.counts_before(self.data, chosen[-1])
-            count += sum(len(schema.cls.members) - before[v] for p, v in schema.pre if p == chosen[-1])
-        return count
+    def fit(self, data: IndexedTable) -> OperatorModel:
+        """Look at all labels once."""
+        ...

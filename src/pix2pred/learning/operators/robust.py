@@ -1,57 +1,63 @@
-"""Operators from labels that are sometimes wrong: repaired labels, effects by likelihood, preconditions by test.
+"""The robust learner: operators from labels that are sometimes wrong (method 5.6).
 
 Transitions are first told apart by the predicates that are taken at their word, the given ones; this partition does not
-depend on the labels of a model. Within it, ``repair`` estimates for every other predicate how often its labels are
-wrong and what each class of transitions does to it. A class is split only where a predicate's effect is significantly
-mixed; an atom is a precondition unless the members in which it does not hold are more than its wrong labels explain.
-No threshold is left to tune: ``h_pre_frac`` and ``h_data_frac`` are not used.
+depend on the labels of a model. Within it, a hidden Markov model estimates for every other predicate how often its
+labels are wrong and what each class of transitions does to it. A class is split only where a predicate's effect is
+significantly mixed; an atom is a precondition unless the members in which it does not hold are more than its wrong
+labels explain. The shares of the published learner are not used; what was chosen instead is in ``RobustSettings``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pix2pred.learning.labels.hidden_markov import ADD, DELETE, MIXED, repair
-from pix2pred.learning.operators.cluster_and_intersect import Schema
-from pix2pred.learning.operators.clustering import Lifted, Member, Memo, Partition, TransitionClass, partition
-from pix2pred.learning.transitions import Data
+from pix2pred.learning.labels.hidden_markov import EffectKind, HiddenMarkovLabels
+from pix2pred.learning.operators.clustering import partition
+from pix2pred.learning.operators.robust_settings import RobustSettings
+from pix2pred.learning.operators.transition_class import (
+    Lifted,
+    Member,
+    MemberCache,
+    OperatorSchema,
+    Partition,
+    TransitionClass,
+)
+from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import FromVLM
 
-CERTAIN = 1e-9
-"""Probability that a given atom's value is wrong."""
-
-CONFIDENT = 1e-4
-"""Probability that a repaired label without doubt is wrong."""
+RoleEffects = Sequence[tuple[tuple[int, ...], EffectKind]]
+"""What a class does to a predicate's atoms, by the variables that the atoms are about."""
 
 
-UNRELIABLE = 0.2
-"""Candidates whose labels are wrong more often are not considered: at test time they would be wrong as often."""
-
-
-DOUBT = 50.0
-"""Price of wrong labels, in arguments: two in a hundred weigh as much as one argument more."""
-
-
-Effects = Sequence[tuple[tuple[int, ...], int]]
-"""What a predicate's atoms over some variables become: ADD, DELETE or MIXED."""
-
-
+@dataclass(frozen=True, slots=True)
 class Robust:
-    """Operators that survive wrong labels."""
+    """Learns operators that survive wrong labels."""
 
-    def __init__(self, data: Data) -> None:
+    settings: RobustSettings = field(default_factory=RobustSettings)
+
+    def fit(self, data: IndexedTable) -> RobustOperators:
+        """Infer the true values of everything that is not taken at its word."""
+        return RobustOperators(data, self.settings)
+
+
+class RobustOperators:
+    """The operators of one data set, with labels replaced by their most probable values."""
+
+    def __init__(self, data: IndexedTable, settings: RobustSettings) -> None:
+        self._settings = settings
         given = range(data.initial)
         self._exact = [p for p in given if not isinstance(data.predicates[p].source, FromVLM)]
         noisy = [p for p in range(len(data.predicates)) if p not in set(self._exact)]
         self._base = partition(data, self._exact)
-        self._repaired = repair(data, self._base, noisy)
+        self._posterior = HiddenMarkovLabels(settings.labels, settings.roles).fit(data, self._base, noisy)
         self._base_of = {m.transition: c for c, cls in enumerate(self._base) for m in cls.members}
-        self.data = data.relabelled(self._repaired.extensions)
-        self._usual = float(np.median(list(self._repaired.surprise.values()))) if noisy else 0.0
-        self.unreliable = frozenset(p for p in noisy if self._repaired.surprise[p] > UNRELIABLE and p >= data.initial)
+        self.data = data.relabelled(self._posterior.extensions)
+        surprise = self._posterior.surprise
+        self._usual = float(np.median(list(surprise.values()))) if noisy else 0.0
+        self.unreliable = frozenset(p for p in noisy if surprise[p] > settings.unreliable and p >= data.initial)
 
     def partition(self, predicates: Sequence[int]) -> Partition:
         classes = self._base
@@ -63,8 +69,8 @@ class Robust:
         return classes
 
     def refine(self, classes: Partition, predicates: Sequence[int], added: int) -> Partition:
-        effects: dict[int, list[tuple[tuple[int, ...], int]]] = {}
-        for (c, variables), effect in sorted(self._repaired.effects[added].items()):
+        effects: dict[int, list[tuple[tuple[int, ...], EffectKind]]] = {}
+        for (c, variables), effect in sorted(self._posterior.effects[added].items()):
             effects.setdefault(c, []).append((variables, effect))
         refined: list[TransitionClass] = []
         for cls in classes:
@@ -72,30 +78,30 @@ class Robust:
             refined.extend(self._with_effects(*self._with_bystanders(cls, found), added))
         return tuple(sorted(refined, key=lambda c: c.first))
 
-    def _with_bystanders(self, cls: TransitionClass, effects: Effects) -> tuple[TransitionClass, Effects]:
+    def _with_bystanders(self, cls: TransitionClass, effects: RoleEffects) -> tuple[TransitionClass, RoleEffects]:
         """The class with a variable for every bystander of the effects, and the effects in its variables."""
         own = len(self._base[self._base_of[cls.first]].types)
         position = {v: v for v in range(own)}
         for v in sorted({v for variables, _ in effects for v in variables if v >= own}):
-            wanted = self._repaired.bystanders.types[v - own]
+            wanted = self._posterior.bystanders.types[v - own]
             if wanted not in cls.types[own:]:
                 cls = self._with_bystander(cls, v - own)
             position[v] = own + cls.types[own:].index(wanted)
         return cls, [(tuple(position[v] for v in variables), effect) for variables, effect in effects]
 
     def _with_bystander(self, cls: TransitionClass, which: int) -> TransitionClass:
-        objects = self._repaired.bystanders.objects
+        objects = self._posterior.bystanders.objects
         demos = [self.data.transitions[m.transition].demo for m in cls.members]
         members = [
             Member(m.transition, (*m.objects, objects[d][which])) for m, d in zip(cls.members, demos, strict=True)
         ]
-        types = (*cls.types, self._repaired.bystanders.types[which])
-        return replace(cls, types=types, members=tuple(members), memo=Memo())
+        types = (*cls.types, self._posterior.bystanders.types[which])
+        return replace(cls, types=types, members=tuple(members), memo=MemberCache())
 
-    def _with_effects(self, cls: TransitionClass, effects: Effects, p: int) -> Iterable[TransitionClass]:
-        add: list[Lifted] = [(p, v) for v, effect in effects if effect == ADD]
-        delete: list[Lifted] = [(p, v) for v, effect in effects if effect == DELETE]
-        mixed = [v for v, effect in effects if effect == MIXED]
+    def _with_effects(self, cls: TransitionClass, effects: RoleEffects, p: int) -> Iterable[TransitionClass]:
+        add: list[Lifted] = [(p, v) for v, effect in effects if effect is EffectKind.ADD]
+        delete: list[Lifted] = [(p, v) for v, effect in effects if effect is EffectKind.DELETE]
+        mixed = [v for v, effect in effects if effect is EffectKind.MIXED]
         if not mixed:
             if not add and not delete:
                 return (cls,)
@@ -111,25 +117,25 @@ class Robust:
                 add=(*cls.add, *add, *((p, v) for v, c in zip(mixed, change, strict=True) if c > 0)),
                 delete=(*cls.delete, *delete, *((p, v) for v, c in zip(mixed, change, strict=True) if c < 0)),
                 members=tuple(cls.members[i] for i in members),
-                memo=Memo(),
+                memo=MemberCache(),
             )
             for change, members in parts.items()
         ]
 
     def price(self, candidate: int) -> float:
-        return self.data.cost(candidate) + DOUBT * self._repaired.surprise[candidate]
+        return self.data.cost(candidate) + self._settings.doubt_price * self._posterior.surprise[candidate]
 
     def doubt(self, candidate: int) -> float:
         """As many wrong labels as candidates usually have are no reason to doubt one."""
-        return max(0.0, self._repaired.surprise[candidate] - self._usual)
+        return max(0.0, self._posterior.surprise[candidate] - self._usual)
 
     def unexplained(self, classes: Partition, chosen: Sequence[int]) -> float:
         """The labels of a candidate are explained as well as they ever will be."""
-        return self._repaired.surprise[chosen[-1]]
+        return self._posterior.surprise[chosen[-1]]
 
-    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[Schema]:
+    def schemas(self, classes: Partition, predicates: Sequence[int]) -> list[OperatorSchema]:
         return [
-            Schema(number, cls, tuple((p, v) for p in sorted(predicates) for v in self._required(cls, p)))
+            OperatorSchema(number, cls, tuple((p, v) for p in sorted(predicates) for v in self._required(cls, p)))
             for number, cls in enumerate(classes)
         ]
 
@@ -151,7 +157,8 @@ class Robust:
 
     def _belief(self, p: int, transition: int, args: tuple[int, ...]) -> float:
         tr = self.data.transitions[transition]
-        doubt = self._repaired.doubt[p].get((tr.demo, tr.step, args))
-        if doubt is not None:
-            return doubt
-        return 1 - CONFIDENT if args in self.data.before(transition, p) else CONFIDENT
+        belief = self._posterior.belief[p].get((tr.demo, tr.step, args))
+        if belief is not None:
+            return belief
+        wrong = self._settings.confident
+        return 1 - wrong if args in self.data.before(transition, p) else wrong

@@ -1,8 +1,8 @@
-"""Where an atom stands in a transition: about which of the transition's variables it is.
+"""Which role the objects of an atom have in a transition: which of the transition's variables stand for them.
 
-What a skill does is learned per place. Places are made of the variables of a transition's class: the arguments of its
-skill and the objects of its given effects. A skill may also change an object that neither mentions: turning the machine
-on fills the jug. Such an object, a bystander, can be named where a demonstration has only one of its type.
+What a skill does to an atom is learned per role. The variables of a transition's class are the arguments of its skill
+and the objects of its given effects. A skill may also change an object that is neither: turning the machine on fills
+the jug. Such an object, a bystander, can be named where every demonstration has only one object of its type.
 """
 
 from __future__ import annotations
@@ -16,18 +16,13 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.learning.operators.clustering import Partition
-from pix2pred.learning.transitions import Data, ObjectIds
+from pix2pred.learning.operators.robust_settings import RoleSettings
+from pix2pred.learning.operators.transition_class import Partition
+from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.structs import Type
 
-LEAST_CHANGES = 4
-"""Transitions of a class in which a predicate's labels show the same change of a bystander before it counts as seen."""
-
-LEAST_SHARE = 0.8
-"""The same, as a share of the class's transitions."""
-
-Place = tuple[int, tuple[int, ...]]
-"""(class, variables)."""
+Role = tuple[int, tuple[int, ...]]
+"""(number of a class, variables of that class, in the order of the atom's arguments)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +33,7 @@ class Bystanders:
     objects: tuple[ObjectIds, ...]
 
     @classmethod
-    def of(cls, data: Data) -> Self:
+    def of(cls, data: IndexedTable) -> Self:
         """Those of all demonstrations."""
         counts = [Counter(data.types(demo.objects)) for demo in data.demos]
         known = {t for count in counts for t in count}
@@ -47,20 +42,29 @@ class Bystanders:
         return cls(types, tuple(tuple(by_type[t] for t in types) for by_type in places))
 
 
-class Places:
-    """Numbers for what a transition may do to an atom: 0 nothing (no transition), 1 not among the transition's
-    variables, and from 2 on one for every (class, variables).
+class Roles:
+    """Numbers the roles of atoms in transitions.
 
-    Variable ``n + i`` of a class with ``n`` variables is the ``i``-th bystander. An atom about one has a place of its
-    own only for a predicate whose labels show a change there nearly every time.
+    0 means that there is no transition, 1 that an object of the atom is not among the transition's variables; from 2 on
+    there is a number for every (class, variables), and ``keys`` tells which. Variable ``n + i`` of a class with ``n``
+    variables is the ``i``-th bystander. An atom about a bystander has a role of its own only for a predicate whose
+    labels show a change there nearly every time.
     """
 
     OUTSIDE = 1
 
-    def __init__(self, data: Data, classes: Partition, bystanders: Bystanders, noisy: Sequence[int]) -> None:
+    def __init__(
+        self,
+        data: IndexedTable,
+        classes: Partition,
+        bystanders: Bystanders,
+        noisy: Sequence[int],
+        settings: RoleSettings,
+    ) -> None:
         self._data = data
-        self.keys: list[Place] = [(-1, ()), (-1, ())]
-        self._numbers: dict[Place, int] = {}
+        self._settings = settings
+        self.keys: list[Role] = [(-1, ()), (-1, ())]
+        self._numbers: dict[Role, int] = {}
         self._classes = classes
         self._bound: list[list[tuple[int, dict[int, int]]]] = [[] for _ in data.demos]
         member_of = {m.transition: (c, m) for c, cls in enumerate(classes) for m in cls.members}
@@ -71,7 +75,7 @@ class Places:
         self._rows: dict[tuple[int, ObjectIds, int], list[int]] = {}
         self._touched: dict[tuple[int, object], set[ObjectIds]] = {}
         seen = {p: self._seen_to_change(p) for p in noisy} if bystanders.types else {}
-        self._seen = {p: places for p, places in seen.items() if places}
+        self._seen = {p: roles for p, roles in seen.items() if roles}
 
     def touched(self, demo: int, predicate: int) -> set[ObjectIds]:
         """Argument tuples of ``predicate`` that some transition of the demonstration has among its variables."""
@@ -87,25 +91,28 @@ class Places:
         return self._touched[key]
 
     def row(self, demo: int, args: ObjectIds, predicate: int) -> list[int]:
-        """The place of an atom in every transition of a demonstration."""
+        """The number of an atom's role in every transition of a demonstration."""
         beside = self._seen.get(predicate, set())
         key = (demo, args, predicate if beside else -1)
         if key not in self._rows:
-            self._rows[key] = [self._place(c, number, args, beside) for c, number in self._bound[demo]]
+            self._rows[key] = [self._number(c, number, args, beside) for c, number in self._bound[demo]]
         return self._rows[key]
 
-    def kin(self) -> NDArray[np.int64]:
-        """A number per place, equal for places that are the same arguments of the same skill, whatever the class."""
+    def siblings(self) -> NDArray[np.int64]:
+        """A number per role, equal for roles that are the same arguments of the same skill, whatever the class.
+
+        Roles that involve more than arguments of the skill are alone in their group.
+        """
         groups: dict[object, int] = {}
         result = []
-        for place, (c, variables) in enumerate(self.keys):
+        for role, (c, variables) in enumerate(self.keys):
             args = self._classes[c].skill_args if c >= 0 else ()
             shared = c >= 0 and all(v in args for v in variables)
-            key: object = (self._classes[c].skill, *(args.index(v) for v in variables)) if shared else (place,)
+            key: object = (self._classes[c].skill, *(args.index(v) for v in variables)) if shared else (role,)
             result.append(groups.setdefault(("skill", key) if shared else key, len(groups)))
         return np.array(result, dtype=np.int64)
 
-    def _place(self, c: int, number: dict[int, int], args: ObjectIds, beside: set[Place]) -> int:
+    def _number(self, c: int, number: dict[int, int], args: ObjectIds, beside: set[Role]) -> int:
         if not all(o in number for o in args):
             return self.OUTSIDE
         key = (c, tuple(number[o] for o in args))
@@ -119,10 +126,10 @@ class Places:
     def _beside(self, c: int, variable: int) -> bool:
         return variable >= len(self._classes[c].types)
 
-    def _seen_to_change(self, predicate: int) -> set[Place]:
-        """Places about bystanders where the labels of a predicate change in the same way nearly every time."""
+    def _seen_to_change(self, predicate: int) -> set[Role]:
+        """Roles about bystanders where the labels of a predicate change in the same way nearly every time."""
         bound = [(number, c) for of_demo in self._bound for c, number in of_demo]  # in order of transitions
-        changes: Counter[tuple[Place, bool]] = Counter()
+        changes: Counter[tuple[Role, bool]] = Counter()
         for t in self._data.changing(predicate):
             number, c = bound[t]
             for added, extension in zip((True, False), self._data.effects(predicate, t), strict=True):
@@ -131,7 +138,10 @@ class Places:
                     if -1 not in variables and any(self._beside(c, v) for v in variables):
                         changes[(c, variables), added] += 1
         return {
-            place
-            for (place, _), count in changes.items()
-            if count >= max(LEAST_CHANGES, LEAST_SHARE * len(self._classes[place[0]].members))
+            role
+            for (role, _), count in changes.items()
+            if count >= max(self._settings.least_changes, self._settings.least_share * self._members(role))
         }
+
+    def _members(self, role: Role) -> int:
+        return len(self._classes[role[0]].members)

@@ -1,7 +1,7 @@
 """How operators and transitions fit: which transitions support an operator, and which speak against it.
 
-An operator is read in a transition of its skill with its arguments bound to the skill's. It is supported when exactly
-its effects occur; it is contradicted when its preconditions hold and something else happens.
+The arguments of an operator are bound to those its skill was executed with. A transition supports it when exactly its
+effects occur, and contradicts it when its preconditions hold and something else happens.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ from itertools import islice, product
 from pix2pred.structs import AbstractState, Action, Atom, GroundOperator, LabelledDemo, Object, Operator
 
 MOST_BINDINGS = 5000
-"""Bindings of an operator's other parameters looked at in one transition."""
+"""Bindings of an operator's other parameters looked at in one transition: an operator of many unbound parameters may
+find its best binding beyond them and then counts as silent."""
 
 
-class Verdict(StrEnum):
-    """What a transition says of an operator."""
+class SupportKind(StrEnum):
+    """What a transition says about an operator of its skill."""
 
     SUPPORTS = "supports"
     UNMET = "effects occur although a precondition does not hold"
@@ -26,39 +27,43 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
-    """One operator in one transition, under the binding that fits best.
+class Support:
+    """What one transition says about one operator, its parameters bound to the objects that fit best.
 
-    ``unmet`` preconditions do not hold before; ``absent`` effects did not occur; ``surplus`` changes were not expected.
-    Changes are written with a sign, ``+`` for what becomes true.
+    ``binding`` holds the names of these objects; ``unmet`` the preconditions that do not hold before; ``absent`` the
+    effects that did not occur; ``surplus`` the changes that the operator does not have. Changes are written with a
+    sign, ``+`` for what becomes true.
     """
 
     operator: str
     demo: str
     step: int
     binding: tuple[str, ...]
-    verdict: Verdict
+    verdict: SupportKind
     unmet: tuple[str, ...]
     absent: tuple[str, ...]
     surplus: tuple[str, ...]
 
 
-def readings(operators: Sequence[Operator], demos: Iterable[LabelledDemo]) -> list[Reading]:
-    """Every reading that supports or contradicts one of ``operators``; ``demos`` hold the model's predicates alone."""
+def operator_support(operators: Sequence[Operator], demos: Iterable[LabelledDemo]) -> list[Support]:
+    """For every transition what it says for or against each of ``operators``, where it says anything.
+
+    ``demos`` hold the labels of the model's predicates alone.
+    """
     found = []
     for demo in demos:
         states = demo.abstract_states()
         for step, action in enumerate(demo.actions):
             for operator in operators:
-                reading = _read(operator, demo, step, action, states[step], states[step + 1])
-                if reading is not None:
-                    found.append(reading)
+                found_here = _support(operator, demo, step, action, states[step], states[step + 1])
+                if found_here is not None:
+                    found.append(found_here)
     return found
 
 
-def _read(
+def _support(
     operator: Operator, demo: LabelledDemo, step: int, action: Action, before: AbstractState, after: AbstractState
-) -> Reading | None:
+) -> Support | None:
     gained, lost = after - before, before - after
     best: tuple[tuple[int, int], GroundOperator] | None = None
     for ground in islice(_groundings(operator, action, demo.objects), MOST_BINDINGS):
@@ -69,8 +74,8 @@ def _read(
     if best is None:
         return None
     (differing, missing), ground = best
-    verdict = Verdict.CONTRADICTS if differing else Verdict.UNMET if missing else Verdict.SUPPORTS
-    return Reading(
+    verdict = SupportKind.CONTRADICTS if differing else SupportKind.UNMET if missing else SupportKind.SUPPORTS
+    return Support(
         operator.name,
         demo.name,
         step,

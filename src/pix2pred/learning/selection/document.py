@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pix2pred.learning.selection.hill_climbing import Selection, Step
+from pix2pred.learning.selection.result import ClimbStep, Selection
 from pix2pred.learning.settings import LearningSettings
 from pix2pred.structs.formats.documents import operator_doc
 
@@ -27,7 +27,7 @@ def selection_document(selection: Selection, settings: LearningSettings) -> dict
     }
 
 
-def _step(step: Step) -> dict[str, Any]:
+def _step(step: ClimbStep) -> dict[str, Any]:
     return {
         "added": step.added.name if step.added else None,
         "J": round(step.j, DIGITS),

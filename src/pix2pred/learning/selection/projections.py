@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from itertools import permutations
 
-from pix2pred.learning.transitions import Data
+from pix2pred.learning.transitions import IndexedTable
 
 
-def is_projection(data: Data, coarse: int, fine: int) -> bool:
+def is_projection(data: IndexedTable, coarse: int, fine: int) -> bool:
     """Whether ``coarse`` is true of exactly those objects for which others make ``fine`` true, in every state."""
     types, wider = data.predicates[coarse].types, data.predicates[fine].types
     if not len(types) < len(wider):
@@ -18,7 +18,7 @@ def is_projection(data: Data, coarse: int, fine: int) -> bool:
     )
 
 
-def _agrees(data: Data, coarse: int, fine: int, places: tuple[int, ...]) -> bool:
+def _agrees(data: IndexedTable, coarse: int, fine: int, places: tuple[int, ...]) -> bool:
     return all(
         data.extension(d, s, coarse) == {tuple(args[i] for i in places) for args in data.extension(d, s, fine)}
         for d, demo in enumerate(data.demos)

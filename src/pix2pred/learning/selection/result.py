@@ -1,0 +1,59 @@
+"""What selection gives: the chosen predicates, their operators, and how it came about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pix2pred.structs import Operator, Predicate
+
+Progress = Callable[[int, int, str], None]
+"""Called with (candidates done, candidates in this step, what is going on)."""
+
+
+def silent(done: int, total: int, text: str) -> None:
+    """Shows nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunnerUp:
+    """A candidate of a step and its J, or a lower bound on it when ``exact`` is False."""
+
+    predicate: Predicate
+    j: float
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ClimbStep:
+    """One step of the climb: what was added (None at the start), the J reached, and the best other candidates."""
+
+    added: Predicate | None
+    j: float
+    j_demos: tuple[float | None, ...]
+    runners_up: tuple[RunnerUp, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The result of selecting.
+
+    - ``selected`` are the chosen predicates and ``operators`` those learned with them.
+    - ``dropped`` were chosen on the way but are no operator's precondition, or were made superfluous by later ones.
+    - ``steps`` tell the climb; the first one is the start.
+    - ``identical`` lists, for each selected predicate, the candidates that agree with it everywhere.
+    - ``evaluations`` counts candidate sets considered, ``scored`` those whose J had to be computed, ``searches`` the
+      planning searches this took and ``budget_hits`` the searches that ran out of nodes.
+    - ``pinned`` are selected because a person wants it.
+    """
+
+    selected: tuple[Predicate, ...]
+    dropped: tuple[Predicate, ...]
+    operators: tuple[Operator, ...]
+    steps: tuple[ClimbStep, ...]
+    identical: tuple[tuple[Predicate, tuple[Predicate, ...]], ...]
+    evaluations: int
+    scored: int
+    searches: int
+    budget_hits: int
+    pinned: tuple[Predicate, ...] = ()

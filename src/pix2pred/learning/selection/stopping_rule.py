@@ -1,0 +1,72 @@
+"""What hill climbing asks of a stopping rule: when to stop, and which of several good candidates to take (method 6.3).
+
+A new rule is one file with one class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from pix2pred.learning.objective.objective import Score
+from pix2pred.learning.operators.learner import OperatorModel
+from pix2pred.learning.operators.transition_class import Partition
+
+
+@dataclass(frozen=True, slots=True)
+class ScoredSet:
+    """The current set with ``predicate`` added: its members in order of choice, its classes of transitions, its J."""
+
+    predicate: int
+    chosen: tuple[int, ...]
+    classes: Partition
+    score: Score
+
+
+class StoppingRule(Protocol):
+    """The decisions of a hill climb. Smaller J is better."""
+
+    @property
+    def looks_back(self) -> bool:
+        """Whether sets with one predicate fewer are tried at the end, and superfluous predicates dropped."""
+        ...
+
+    def finished(self, reached: Score) -> bool:
+        """Whether J is good enough to stop without looking at any candidate."""
+        ...
+
+    def ceiling(self, j: float, doubt: float) -> float:
+        """The largest J with which a candidate can still be taken when another one has ``j``.
+
+        ``doubt`` is the share of that other candidate's labels which the learner cannot account for. Candidates that
+        certainly lie above are not computed to the end.
+        """
+        ...
+
+    def choose(self, model: OperatorModel, scored: Sequence[ScoredSet], *, trial: bool = False) -> ScoredSet:
+        """The candidate to take, out of those that improve J, which come in order of name.
+
+        ``trial`` tells that the candidate taken before was not worthwhile by itself.
+        """
+        ...
+
+    def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
+        """Whether the chosen candidate, a share ``doubt`` of whose labels is not accounted for, is to be kept."""
+        ...
+
+    def hopeful(self, reached: Score, trials: int) -> bool:
+        """Whether to go on from a set whose last ``trials`` candidates have not been worthwhile together."""
+        ...
+
+    def as_good(self, fewer: Score, reached: Score) -> bool:
+        """Whether a set with one predicate fewer serves as well."""
+        ...
+
+
+def best_explained(model: OperatorModel, rivals: Sequence[ScoredSet]) -> ScoredSet:
+    """The cheapest of several, then the one whose labels its own operators explain best, then the first by name.
+
+    A visual predicate costs its number of arguments; feature and quantified predicates cost more; doubt adds to it.
+    """
+    return min(rivals, key=lambda s: (model.price(s.predicate), model.unexplained(s.classes, s.chosen)))
