@@ -95,7 +95,8 @@ def _protocol_members() -> set[str]:
     found = set()
     for path in _sources():
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ClassDef) and any("Protocol" in ast.unparse(base) for base in node.bases):
+            bases = {ast.unparse(b).partition("[")[0] for b in node.bases} if isinstance(node, ast.ClassDef) else set()
+            if isinstance(node, ast.ClassDef) and bases & {"Protocol", "ABC"}:
                 found |= {m.name for m in node.body if isinstance(m, ast.FunctionDef) and ast.get_docstring(m)}
     return found
 

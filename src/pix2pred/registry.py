@@ -16,7 +16,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pix2pred.images import ShownPictures
-from pix2pred.planning import AStar, ExternalPlanner, GreedyBestFirst, Planner, Portfolio, Search, TaskPlanner
+from pix2pred.planning import (
+    FF,
+    AStar,
+    ExternalPlanner,
+    GreedyBestFirst,
+    Heuristic,
+    LMCut,
+    Planner,
+    Portfolio,
+    Search,
+    Strips,
+    TaskPlanner,
+)
 from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.environment import Domain, Environment
@@ -59,9 +71,17 @@ _APPROACHES = {
 }
 """The approaches of method 9."""
 
-SEARCHES: dict[str, Callable[[], Search]] = {
-    "astar-lmcut": AStar,
-    "gbfs-ff": GreedyBestFirst,
+HEURISTICS: dict[str, Callable[[Strips], Heuristic]] = {
+    "lmcut": LMCut,
+    "ff": FF,
+}
+SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
+    "astar": AStar,
+    "gbfs": GreedyBestFirst,
+}
+"""Every search goes with every heuristic: a planner is called SEARCH-HEURISTIC."""
+
+PORTFOLIOS: dict[str, Callable[[], Search]] = {
     "portfolio": lambda: Portfolio((AStar(max_nodes=5_000), GreedyBestFirst())),
 }
 """``portfolio``, the default, plans optimally where that is cheap and greedily otherwise."""
@@ -175,9 +195,17 @@ def load_planner(name: str, *, distinct: bool = True, time_limit: float = TIME_L
     """
     if name in ENGINES:
         return ExternalPlanner(name, distinct, time_limit)
-    if name not in SEARCHES:
-        raise UnknownNameError("planner", name, (*SEARCHES, *ENGINES))
-    return Planner(SEARCHES[name](), distinct=distinct)
+    if name in PORTFOLIOS:
+        return Planner(PORTFOLIOS[name](), distinct=distinct)
+    search, _, heuristic = name.partition("-")
+    if search not in SEARCHES or heuristic not in HEURISTICS:
+        raise UnknownNameError("planner", name, (*planner_names(), *ENGINES))
+    return Planner(SEARCHES[search](HEURISTICS[heuristic]), distinct=distinct)
+
+
+def planner_names() -> tuple[str, ...]:
+    """The names of all planners of our own, for ``load_planner``."""
+    return (*(f"{search}-{heuristic}" for search in SEARCHES for heuristic in HEURISTICS), *PORTFOLIOS)
 
 
 def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:

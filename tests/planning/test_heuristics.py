@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pix2pred.planning import FF, LMCut, Strips
+from pix2pred.planning import FF, Evaluation, LMCut, Strips
 from planning.random_tasks import random_strips, relaxed_reachable, shortest
 
 SEEDS = st.integers(0, 2**32)
@@ -19,9 +19,9 @@ def test_hand_worked_estimates() -> None:
     assert LMCut(INDEPENDENT)(0b101) == 1
     assert LMCut(CHAIN)(0b0001) == 3
     assert LMCut(JOINT)(0) == 2  # one operator adds two goals: counting goals would give 3
-    assert FF(INDEPENDENT)(0) == (3, 0b111)
-    assert FF(CHAIN)(0b0001) == (3, 0b001)  # only the first step applies at once
-    assert FF(JOINT)(0) == (2, 0b11)
+    assert FF(INDEPENDENT).evaluate(0) == Evaluation(3, 0b111)
+    assert FF(CHAIN).evaluate(0b0001) == Evaluation(3, 0b001)  # only the first step applies at once
+    assert FF(JOINT).evaluate(0) == Evaluation(2, 0b11)
 
 
 def test_lm_cut_adds_up_landmarks_that_h_max_counts_once() -> None:
@@ -62,10 +62,10 @@ def test_lm_cut_is_admissible_zero_at_goals_and_none_only_when_relaxed_unreachab
 @settings(max_examples=300, deadline=None)
 def test_ff_is_none_iff_relaxed_unreachable_and_its_helpful_operators_apply(seed: int) -> None:
     task = random_strips(seed)
-    found = FF(task)(task.initial)
+    found = FF(task).evaluate(task.initial)
     assert (found is None) == (not relaxed_reachable(task, task.initial))
     if found is not None:
-        length, helpful = found
+        length, helpful = found.estimate, found.preferred
         assert (length == 0) == (task.goal & task.initial == task.goal)
         assert (helpful == 0) == (length == 0)
         applicable = set(task.applicable(task.initial))
@@ -82,4 +82,4 @@ def test_ff_never_underestimates_the_delete_free_optimum(seed: int) -> None:
     optimum = shortest(relaxed)
     if found is not None:
         assert optimum is not None
-        assert found[0] >= optimum
+        assert found >= optimum

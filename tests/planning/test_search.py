@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 
 import pytest
@@ -10,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import golden
-from pix2pred.planning import AStar, GreedyBestFirst, Planner, Portfolio, SearchResult, Strips, is_valid
+from pix2pred.planning import AStar, GreedyBestFirst, Heuristic, Planner, Portfolio, SearchResult, Strips, is_valid
 from pix2pred.structs import Atom, LiftedAtom, Object, Operator, PlanStatus, Skill, Variable
 from planning.random_tasks import THING, naive_ground, predicate, random_lifted, random_strips, run, shortest
 
@@ -78,17 +77,14 @@ def test_budget_is_reported_not_unsolvable() -> None:
     assert AStar(max_nodes=1)(Strips(1, (), (), (), 1, 1)).status == PlanStatus.SOLVED
 
 
-@dataclass(frozen=True)
-class Listed:
+class Listed(Heuristic):
     """Estimates from a table."""
 
-    estimates: dict[int, int]
+    def __init__(self, estimates: dict[int, int]) -> None:
+        self._estimates = estimates
 
     def __call__(self, state: int) -> int | None:
-        return self.estimates[state]
-
-    def after(self, parent: int, k: int, state: int) -> int | None:
-        return self.estimates[state]
+        return self._estimates[state]
 
 
 def test_re_opening_with_an_inconsistent_heuristic() -> None:

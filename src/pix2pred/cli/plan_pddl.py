@@ -14,7 +14,7 @@ from pix2pred.planning import is_valid
 from pix2pred.planning.external.planner import ENGINES, IN_EXTRA, TIME_LIMIT
 from pix2pred.planning.pddl.read import PddlDomain, read_domain, read_problem
 from pix2pred.planning.pddl.syntax import PddlError
-from pix2pred.registry import SEARCHES, RegistryError, load_planner
+from pix2pred.registry import RegistryError, load_planner, planner_names
 from pix2pred.structs import PlanResult, PlanStatus
 from pix2pred.system.files import write_whole
 
@@ -32,7 +32,7 @@ def plan_pddl(
     /,
     *,
     planner: Annotated[
-        str, Parameter(help=f"{', '.join(SEARCHES)}; with the extra 'planners' {EXTERNAL}.")
+        str, Parameter(help=f"{', '.join(planner_names())}; with the extra 'planners' {EXTERNAL}.")
     ] = "gbfs-ff",
     time_limit: Annotated[
         float, Parameter(help="Seconds an external planner may take; our own are bounded by nodes.", validator=POSITIVE)

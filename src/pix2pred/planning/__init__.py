@@ -3,12 +3,14 @@
 from pix2pred.planning.external.planner import ExternalPlanner, ExternalPlannerError
 from pix2pred.planning.grounding import GroundingBudgetError, GroundTask, ground
 from pix2pred.planning.heuristics.ff import FF
+from pix2pred.planning.heuristics.heuristic import Evaluation, Heuristic
 from pix2pred.planning.heuristics.lmcut import LMCut
-from pix2pred.planning.planner import Planner, Search, SearchResult, TaskPlanner
+from pix2pred.planning.planner import Planner, TaskPlanner
 from pix2pred.planning.search.astar import AStar
 from pix2pred.planning.search.bounded import Bounded
 from pix2pred.planning.search.greedy import GreedyBestFirst
 from pix2pred.planning.search.portfolio import Portfolio
+from pix2pred.planning.search.search import Search, SearchResult
 from pix2pred.planning.strips import Strips
 from pix2pred.planning.validate import is_valid
 
@@ -16,11 +18,13 @@ __all__ = [
     "FF",
     "AStar",
     "Bounded",
+    "Evaluation",
     "ExternalPlanner",
     "ExternalPlannerError",
     "GreedyBestFirst",
     "GroundTask",
     "GroundingBudgetError",
+    "Heuristic",
     "LMCut",
     "Planner",
     "Portfolio",

@@ -8,17 +8,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from pix2pred.planning.grounding import DEFAULT_BUDGET, GroundingBudgetError, ground
-from pix2pred.planning.strips import Strips
+from pix2pred.planning.search.search import Search
 from pix2pred.structs import AbstractState, Atom, Object, Operator, PlanResult, PlanStatus
-
-
-@dataclass(frozen=True, slots=True)
-class SearchResult:
-    """How a search on bits ended: ``plan`` lists operator numbers, ``nodes`` counts created nodes."""
-
-    status: PlanStatus
-    plan: tuple[int, ...]
-    nodes: int
 
 
 class TaskPlanner(Protocol):
@@ -28,14 +19,6 @@ class TaskPlanner(Protocol):
         self, operators: Sequence[Operator], objects: Iterable[Object], initial: AbstractState, goal: Iterable[Atom]
     ) -> PlanResult:
         """Look for a plan from ``initial`` to a state that contains ``goal``."""
-        ...
-
-
-class Search(Protocol):
-    """A search algorithm: A*, greedy best-first, a portfolio of both."""
-
-    def __call__(self, task: Strips) -> SearchResult:
-        """Look for a plan of ``task`` within the algorithm's own node budget."""
         ...
 
 

@@ -31,6 +31,10 @@ class Strips:
         """The state after operator ``k``."""
         return state & ~self.delete[k] | self.add[k]
 
+    def is_goal(self, state: int) -> bool:
+        """Whether the goal holds in ``state``."""
+        return not self.goal & ~state
+
     def without_static_facts(self) -> Strips:
         """The same task for a heuristic: initial facts that no operator touches leave preconditions and goal."""
         touched = 0

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pix2pred.planning.heuristics.heuristic import Evaluation, Heuristic
 from pix2pred.planning.strips import Strips, bits
 
 
-class FF:
-    """Length of a delete-free plan from a state, with the operators of that plan that apply at once."""
+class FF(Heuristic):
+    """Length of a delete-free plan from a state. Preferred are the operators of that plan that apply at once."""
 
     def __init__(self, task: Strips) -> None:
         task = task.without_static_facts()
@@ -15,8 +16,11 @@ class FF:
             (pre, add & ~pre, k) for k, (pre, add) in enumerate(zip(task.pre, task.add, strict=True)) if add & ~pre
         ]
 
-    def __call__(self, state: int) -> tuple[int, int] | None:
-        """(estimate, helpful operators as bits), or ``None`` for a dead end."""
+    def __call__(self, state: int) -> int | None:
+        found = self.evaluate(state)
+        return None if found is None else found.estimate
+
+    def evaluate(self, state: int) -> Evaluation | None:
         achiever = self._explore(state)
         if achiever is None:
             return None
@@ -34,7 +38,7 @@ class FF:
                 helpful |= 1 << k
             open_facts.extend(bits(needs & ~wanted))
             wanted |= needs
-        return plan.bit_count(), helpful
+        return Evaluation(plan.bit_count(), helpful)
 
     def _explore(self, state: int) -> dict[int, int] | None:
         """The first operator to achieve each fact, layer by layer, until the goal is reached."""

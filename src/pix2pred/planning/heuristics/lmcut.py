@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pix2pred.planning.heuristics.heuristic import Heuristic
 from pix2pred.planning.strips import Strips
 
 Edge = tuple[int, int, int]
 """(supporting precondition or 0, add effects, the operator's own bit): an operator in the justification graph."""
 
 
-class LMCut:
+class LMCut(Heuristic):
     """Admissible estimate of the plan length from a state; ``None`` for a dead end. Values are remembered."""
 
     def __init__(self, task: Strips) -> None:
@@ -27,13 +28,12 @@ class LMCut:
         self._known: dict[int, tuple[int, ...] | None] = {}
 
     def __call__(self, state: int) -> int | None:
-        """The estimate for ``state``."""
         if state not in self._known:
             self._known[state] = self._cuts(state, ())
         return _length(self._known[state])
 
     def after(self, parent: int, k: int, state: int) -> int | None:
-        """The estimate for ``state``, reached from ``parent`` by operator ``k``; cheaper than from scratch.
+        """The estimate for ``state``, cheaper than from scratch.
 
         The parent's landmarks without ``k`` are landmarks of the successor as well and are kept (Pommerening and
         Helmert, "Incremental LM-cut", 2013). Where estimates differ, so do ties: both are admissible.

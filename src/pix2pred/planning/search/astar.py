@@ -5,24 +5,12 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
+from pix2pred.planning.heuristics.heuristic import Heuristic
 from pix2pred.planning.heuristics.lmcut import LMCut
-from pix2pred.planning.planner import SearchResult
+from pix2pred.planning.search.search import SearchResult, extract_plan
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import PlanStatus
-
-
-class Heuristic(Protocol):
-    """Estimate of the distance from a state to the goal; ``None`` for a dead end."""
-
-    def __call__(self, state: int) -> int | None:
-        """The estimate for ``state``."""
-        ...
-
-    def after(self, parent: int, k: int, state: int) -> int | None:
-        """The estimate for ``state``, reached from ``parent``, which was estimated before, by operator ``k``."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +53,3 @@ class AStar:
                 heapq.heappush(queue, (g + 1 + h, h, nodes, g + 1, successor))
                 nodes += 1
         return SearchResult(PlanStatus.UNSOLVABLE, (), nodes)
-
-
-def extract_plan(initial: int, state: int, parent: dict[int, tuple[int, int]]) -> tuple[int, ...]:
-    """Operator numbers along the parent links from ``initial`` to ``state``."""
-    plan = []
-    while state != initial:
-        state, k = parent[state]
-        plan.append(k)
-    return tuple(reversed(plan))

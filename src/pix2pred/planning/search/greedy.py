@@ -1,17 +1,18 @@
-"""Greedy best-first search with FF and preferred operators (Helmert, "The Fast Downward planning system", 2006).
+"""Greedy best-first search with preferred operators (Helmert, "The Fast Downward planning system", 2006).
 
-Two queues hold the open nodes, one of them only successors by helpful operators. They take turns; progress (a new
-smallest estimate) gives the preferred queue a run of turns.
+Two queues hold the open nodes, one of them only successors by operators that the heuristic prefers. They take turns;
+progress (a new smallest estimate) gives the preferred queue a run of turns.
 """
 
 from __future__ import annotations
 
 import heapq
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from pix2pred.planning.heuristics.ff import FF
-from pix2pred.planning.planner import SearchResult
-from pix2pred.planning.search.astar import extract_plan
+from pix2pred.planning.heuristics.heuristic import Heuristic
+from pix2pred.planning.search.search import SearchResult, extract_plan
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import PlanStatus
 
@@ -24,18 +25,22 @@ Entry = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class GreedyBestFirst:
-    """Plans quickly, not necessarily shortest ones. ``max_nodes`` bounds the created nodes."""
+    """Plans quickly, not necessarily shortest ones.
 
+    ``heuristic`` builds the estimate for a task, with the operators it prefers; ``max_nodes`` bounds the created nodes.
+    """
+
+    heuristic: Callable[[Strips], Heuristic] = FF
     max_nodes: int = 1_000_000
 
     def __call__(self, task: Strips) -> SearchResult:
         """Search ``task``. Complete: every node that is not a dead end is expanded at most once."""
-        heuristic = FF(task)
-        first = heuristic(task.initial)
+        evaluate = self.heuristic(task).evaluate
+        first = evaluate(task.initial)
         if first is None:
             return SearchResult(PlanStatus.UNSOLVABLE, (), 1)
-        smallest, helpful_of = first[0], {task.initial: first[1]}
-        queues: tuple[list[Entry], list[Entry]] = ([(first[0], 0, task.initial)], [])
+        smallest, preferred_of = first.estimate, {task.initial: first.preferred}
+        queues: tuple[list[Entry], list[Entry]] = ([(smallest, 0, task.initial)], [])
         turns = [0, 0]
         parent: dict[int, tuple[int, int]] = {}
         closed: set[int] = set()
@@ -50,17 +55,17 @@ class GreedyBestFirst:
                 return SearchResult(PlanStatus.SOLVED, extract_plan(task.initial, state, parent), nodes)
             for k in task.applicable(state):
                 successor = task.successor(state, k)
-                if successor in helpful_of:
+                if successor in preferred_of:
                     continue
-                evaluated = heuristic(successor)
+                evaluated = evaluate(successor)
                 if evaluated is None:
                     continue
                 if nodes >= self.max_nodes:
                     return SearchResult(PlanStatus.BUDGET, (), nodes)
-                h, helpful_of[successor] = evaluated
+                h, preferred_of[successor] = evaluated.estimate, evaluated.preferred
                 parent[successor] = (state, k)
                 heapq.heappush(queues[0], (h, nodes, successor))
-                if helpful_of[state] >> k & 1:
+                if preferred_of[state] >> k & 1:
                     heapq.heappush(queues[1], (h, nodes, successor))
                 nodes += 1
                 if h < smallest:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pix2pred.planning.planner import Search, SearchResult
+from pix2pred.planning.search.search import Search, SearchResult
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import PlanStatus
 
