@@ -25,9 +25,10 @@ MAY_IMPORT: dict[str, set[str]] = {
     "demos": {"structs", "images", "planning", "vlm"},
     "predicates": {"structs", "images", "planning", "vlm"},
     "learning": {"structs", "planning"},
+    "recordings": {"structs"},
     "execution": {"structs", "images", "planning", "vlm", "demos", "predicates"},
 }
-LOWER = set(MAY_IMPORT) - {"domains"}
+LOWER = set(MAY_IMPORT) - {"domains", "recordings"}
 ABOVE_THE_PIPELINE = LOWER | {"pipeline", "approaches"}
 MAY_IMPORT |= {
     "pipeline": LOWER,
@@ -39,7 +40,7 @@ MAY_IMPORT |= {
     "benchmark": ABOVE_THE_PIPELINE | {"runs"},
     "registry": LOWER | {"pipeline", "approaches", "domains"},
     "api": LOWER | {"pipeline", "runs", "report", "registry"},
-    "cli": ABOVE_THE_PIPELINE | {"runs", "api", "registry", "report", "review", "benchmark"},
+    "cli": ABOVE_THE_PIPELINE | {"runs", "api", "registry", "report", "review", "benchmark", "recordings"},
 }
 MAY_IMPORT = {room: allowed | {"system"} for room, allowed in MAY_IMPORT.items()}
 MOST_FILES = 14
