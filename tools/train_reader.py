@@ -49,6 +49,10 @@ class World(Protocol):
         ...
 
 
+DRAWN_BY = {"burger": "drawing.render", "coffee": "simulation.render"}
+"""Where a domain's pictures are drawn, if not in its ``render``."""
+
+
 def part_of(domain: str, module: str) -> Any:
     """A module of a domain."""
     return import_module(f"pix2pred.domains.{domain}.{module}")
@@ -64,7 +68,7 @@ class Case:
 
 
 def render_worlds(domain: str, worlds: Sequence[World]) -> list[Scene]:
-    render = part_of(domain, "render").render
+    render = part_of(domain, DRAWN_BY.get(domain, "render")).render
     scenes = [Scene(render(world)) for world in worlds]
     for scene in scenes:
         for name in scene.picture.boxes:
