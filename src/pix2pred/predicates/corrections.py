@@ -24,6 +24,7 @@ from pix2pred.structs import (
 )
 from pix2pred.structs.formats.documents import Document, Names, PredicateName, UnknownNameError
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.files import read_regular
 
 CORRECTIONS = "corrections.jsonl"
 """Where a run keeps them."""
@@ -103,7 +104,7 @@ def read_rows(path: Path) -> tuple[Row, ...]:
     """
     if not path.exists():
         return ()
-    lines = path.read_bytes().split(b"\n")[:-1]
+    lines = read_regular(path).split(b"\n")[:-1]
     rows = []
     for number, line in enumerate(lines, start=1):
         try:
