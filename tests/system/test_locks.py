@@ -80,7 +80,7 @@ def test_corrections_are_appended_to_plain_files_alone(tmp_path: Path, kind: str
     run = tmp_path / "run"
     run.mkdir()
     spoil(run / name, kind, tmp_path / "victim")
-    with pytest.raises(OSError, match="plain file|Is a directory"):
+    with pytest.raises(OSError, match=r"plain file|Is a directory"):
         CorrectionLog(run, TruthTable((), (), ())).append([])
     assert not (tmp_path / "victim").exists() or (tmp_path / "victim").read_text() == "precious"
 

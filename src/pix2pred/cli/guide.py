@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from pix2pred.cli.console import err, out, plain
-from pix2pred.demos import FolderError, Photographed, Problem, read_photo
-from pix2pred.demos.pictures import ENDINGS
+from pix2pred.demos import ENDINGS, FolderError, Photographed, Problem, read_photo
 from pix2pred.execution import Guided, Look, Missing, PlannedScene
 from pix2pred.execution.changes import Change, effects, signed
 from pix2pred.execution.explaining.wording import in_words

@@ -10,12 +10,19 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pix2pred.cli.console import POSITIVE, bars, err, print_json
-from pix2pred.demos.authoring.declaring import DeclarationError, declare
-from pix2pred.demos.authoring.domain_text import domain_text
-from pix2pred.demos.authoring.drafts import Draft, refuse_begun, write_drafts
-from pix2pred.demos.authoring.example import example_declarations, example_drafts
-from pix2pred.demos.authoring.photos import MAX_SIDE, Order
-from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos import FolderError, Problem
+from pix2pred.demos.authoring import (
+    MAX_SIDE,
+    DeclarationError,
+    Draft,
+    Order,
+    declare,
+    domain_text,
+    example_declarations,
+    example_drafts,
+    refuse_begun,
+    write_drafts,
+)
 from pix2pred.demos.importers import drafts_of_frames
 
 _TO_FILL_IN = "An example to fill in. Put the photo of each state at images/0/main.jpg, images/1/main.jpg, and so on."
