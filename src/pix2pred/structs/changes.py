@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from pix2pred.structs import AbstractState, Atom, GroundOperator
+from pix2pred.structs.operators import GroundOperator
+from pix2pred.structs.predicates import Atom
+from pix2pred.structs.states import AbstractState
 
 
 @dataclass(frozen=True, slots=True)
