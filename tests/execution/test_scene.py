@@ -31,7 +31,7 @@ from pix2pred.structs import (
     Vocabulary,
     WorldModel,
 )
-from pix2pred.structs.changes import signed
+from pix2pred.structs.plans import signed
 from pix2pred.vlm import Answer, Request
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 

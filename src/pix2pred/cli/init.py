@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -14,6 +14,7 @@ from pix2pred.demos import FolderError, Problem
 from pix2pred.demos.authoring import (
     MAX_SIDE,
     DeclarationError,
+    Declarations,
     Draft,
     Order,
     declare,
@@ -96,18 +97,7 @@ def init(
         drafts = (Draft("example", (None,), (), notes=(_TO_FILL_IN,)),)
     else:
         declared, drafts = example_declarations(), example_drafts()
-    with bars() as progress:
-        total = sum(len(draft.actions) + 1 for draft in drafts)
-        done = 0
-
-        def tell(name: str, _written: int, _of: int) -> None:
-            nonlocal done
-            done += 1
-            if photos is not None:
-                progress("photos", done, total, name)
-
-        name = directory.resolve().name or "project"
-        write_drafts(directory, drafts, domain_text(name, declared), overwrite=overwrite, tell=tell)
+    _write(directory, drafts, declared, overwrite=overwrite, shown=photos is not None)
     if json:
         print_json({"folder": str(directory), "demonstrations": {d.name: len(d.actions) + 1 for d in drafts}})
         return 0
@@ -115,6 +105,22 @@ def init(
         err.print(f"{directory / 'demos' / draft.name}: {draft.notes[0]}", markup=False, soft_wrap=True)
     err.print(f"What to fill in, and where: pix2pred check {directory}", markup=False)
     return 0
+
+
+def _write(directory: Path, drafts: Sequence[Draft], declared: Declarations, *, overwrite: bool, shown: bool) -> None:
+    """Write the project; how it goes is ``shown``."""
+    with bars() as progress:
+        total = sum(len(draft.actions) + 1 for draft in drafts)
+        done = 0
+
+        def tell(name: str, _written: int, _of: int) -> None:
+            nonlocal done
+            done += 1
+            if shown:
+                progress("photos", done, total, name)
+
+        name = directory.resolve().name or "project"
+        write_drafts(directory, drafts, domain_text(name, declared), overwrite=overwrite, tell=tell)
 
 
 def _photos(directory: Path, photos: Path, order: Order, max_side: int) -> tuple[Draft, ...]:

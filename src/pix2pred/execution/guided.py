@@ -13,7 +13,7 @@ from pix2pred.execution.explaining.scene import PlannedScene, listed
 from pix2pred.execution.pursuit import GivenUpError, Pursuit
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
-from pix2pred.structs.changes import Change, changes, changes_between, effects
+from pix2pred.structs.plans import Change, changes, changes_between, effects
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ from pix2pred.structs import (
     PlanStatus,
     State,
 )
-from pix2pred.structs.changes import Change, effects
+from pix2pred.structs.plans import Change, effects
 from pix2pred.structs.predicates import source_name
 from pix2pred.structs.states import Pixels
 from pix2pred.structs.views import View

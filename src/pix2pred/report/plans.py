@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pix2pred.structs import Object, Operator
-from pix2pred.structs.changes import effects, signed
+from pix2pred.structs.plans import effects, signed
 from pix2pred.structs.predicates import parse_application
 
 

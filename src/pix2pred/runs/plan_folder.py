@@ -29,8 +29,8 @@ from pix2pred.planning import is_valid
 from pix2pred.planning.pddl.write import write_domain, write_plan, write_problem
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.structs import Atom, Demo, GroundOperator, Task, WorldModel
-from pix2pred.structs.changes import signed
 from pix2pred.structs.formats.world_model import dump_model
+from pix2pred.structs.plans import signed
 from pix2pred.structs.predicates import source_name
 
 SESSION, PAGE = "session.json", "plan.html"
