@@ -14,7 +14,9 @@ from typing import Any
 from pix2pred.planning import GreedyBestFirst, Planner
 from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.structs import AbstractState, GroundOperator, Object, Operator, PlanStatus, groundings
-from pix2pred.structs.formats.documents import Names, OperatorDoc, build_operator
+from pix2pred.structs.formats.building import build_operator
+from pix2pred.structs.formats.documents import OperatorDoc
+from pix2pred.structs.formats.names import DeclaredNames
 from symbolic.traces import Workload
 
 MAX_NODES = 20_000
@@ -74,7 +76,7 @@ def score_document(workload: Workload, selection: Mapping[str, Any]) -> Score:
     """Score the content of a ``selection.json``."""
     pool = tuple(c.predicate for c in workload.columns)
     vocabulary = workload.vocabulary
-    names = Names(vocabulary.types, vocabulary.skills, (*vocabulary.initial, *pool))
+    names = DeclaredNames(vocabulary.types, vocabulary.skills, (*vocabulary.initial, *pool))
     operators = [build_operator(OperatorDoc.model_validate(doc), names) for doc in selection["operators"]]
     return score_model(workload, selection["selected"], operators)
 

@@ -32,7 +32,7 @@ from pix2pred.planning import (
 from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.environment import Domain, Environment
-from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import AbsentVLM, replayed

@@ -16,7 +16,7 @@ from pix2pred.learning import LearningSettings, learn_operators
 from pix2pred.pipeline import Settings
 from pix2pred.registry import load_approach
 from pix2pred.structs import FromVLM, Vocabulary
-from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import Request, VLMError
 from predicates.scripted import TYPES, ScriptedVLM, demo
 

@@ -20,7 +20,7 @@ from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
 from pix2pred.registry import Names
 from pix2pred.structs import Demo
 from pix2pred.structs.environment import Domain, SimulatedTask
-from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.parallel import Workers
 from pix2pred.vlm import VLM, Answer, Request, StoreMode
 from pix2pred.vlm.offline.prompt_format import asked_atoms, current_views, label_answer, value_line

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import pytest
 
 from pix2pred.execution import Guided, PlannedScene, Solver, plan_scene
-from pix2pred.execution.changes import signed
 from pix2pred.execution.explaining.missing import missing
 from pix2pred.execution.explaining.rests import Need, needs
 from pix2pred.execution.explaining.wording import in_words
@@ -32,6 +31,7 @@ from pix2pred.structs import (
     Vocabulary,
     WorldModel,
 )
+from pix2pred.structs.plans import signed
 from pix2pred.vlm import Answer, Request
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 

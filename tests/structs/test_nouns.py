@@ -144,12 +144,23 @@ def test_grounding_needs_one_object_for_each_parameter() -> None:
         pick().ground(OBJECTS[:2])
 
 
+def test_parameters_that_are_not_fixed_are_bound_in_every_way() -> None:
+    cup, robot, item, other = OBJECTS
+    bound = [g.objects for g in pick().groundings({R: robot}, reversed(OBJECTS))]
+    assert bound == [(robot, x, y) for x in (other, cup, item) for y in (other, cup, item) if x != y]
+    assert [g.objects for g in pick().groundings({R: robot, X: item, Y: cup}, ())] == [(robot, item, cup)]
+
+
+@pytest.mark.parametrize("fixed", [{R: OBJECTS[0]}, {X: OBJECTS[1]}, {X: OBJECTS[0], Y: OBJECTS[0]}])
+def test_what_does_not_fit_is_bound_in_no_way(fixed: dict[Variable, Object]) -> None:
+    assert list(pick().groundings(fixed, OBJECTS)) == []
+
+
 def test_actions_print_plain_numbers() -> None:
     cup, robot = OBJECTS[0], OBJECTS[1]
     params = (np.float64(0.5), float(np.float32(0.25)), 1)
     assert str(Action(PICK, (robot, cup), params)) == "Pick(r, c2)[0.5, 0.25, 1.0]"
     assert str(Action(PICK, (robot, cup))) == "Pick(r, c2)"
-    assert Action(PICK, (robot, cup)).typed == "Pick[r:robot, c2:cup]"
 
 
 def test_where_values_come_from_is_no_part_of_a_predicate() -> None:

@@ -25,7 +25,7 @@ from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.structs import Demo, Episode, Failure, Predicate
 from pix2pred.structs.environment import Domain, Environment, SimulatedTask
-from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import VLM, AnswerStore, CountingVLM, StoredVLM, StoreMode
 
 READER = "offline:"

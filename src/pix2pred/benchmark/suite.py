@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from pix2pred.pipeline import Settings
 from pix2pred.planning import AStar, Bounded, GreedyBestFirst, Planner, Portfolio
-from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.errors import Pix2predError
 
 _SUITES = files("pix2pred.benchmark") / "suites"

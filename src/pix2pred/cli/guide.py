@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Protocol
 
 from pix2pred.cli.console import err, out, plain
-from pix2pred.demos import FolderError, Photographed, Problem, read_photo
-from pix2pred.demos.pictures import ENDINGS
+from pix2pred.demos import ENDINGS, FolderError, Photographed, Problem, read_photo
 from pix2pred.execution import Guided, Look, Missing, PlannedScene
-from pix2pred.execution.changes import Change, effects, signed
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, SessionDoc
+from pix2pred.structs.plans import Change, effects, signed
 
 POLL = 0.3
 """Seconds between two looks into a watched folder; a file that is the same in both is taken for complete."""

@@ -9,14 +9,9 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
-from pix2pred.demos import inspect_project
-from pix2pred.demos.authoring.declaring import Declarations
-from pix2pred.demos.authoring.domain_text import domain_text
-from pix2pred.demos.authoring.drafts import Draft, write_drafts
-from pix2pred.demos.authoring.photos import MAX_SIDE, Order
-from pix2pred.demos.files.folders import DOMAIN
-from pix2pred.demos.files.sidecar import read_sidecar
-from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos
+from pix2pred.demos import DOMAIN, inspect_project
+from pix2pred.demos.authoring import MAX_SIDE, Declarations, Draft, Order, domain_text, write_drafts
+from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos, read_sidecar
 
 imports = App(name="import")
 

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from pix2pred.cli.console import POSITIVE, bars, err, print_json
-from pix2pred.demos.authoring.declaring import DeclarationError, declare
-from pix2pred.demos.authoring.domain_text import domain_text
-from pix2pred.demos.authoring.drafts import Draft, refuse_begun, write_drafts
-from pix2pred.demos.authoring.example import example_declarations, example_drafts
-from pix2pred.demos.authoring.photos import MAX_SIDE, Order
-from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos import FolderError, Problem
+from pix2pred.demos.authoring import (
+    MAX_SIDE,
+    DeclarationError,
+    Declarations,
+    Draft,
+    Order,
+    declare,
+    domain_text,
+    example_declarations,
+    example_drafts,
+    refuse_begun,
+    write_drafts,
+)
 from pix2pred.demos.importers import drafts_of_frames
 
 _TO_FILL_IN = "An example to fill in. Put the photo of each state at images/0/main.jpg, images/1/main.jpg, and so on."
@@ -89,18 +97,7 @@ def init(
         drafts = (Draft("example", (None,), (), notes=(_TO_FILL_IN,)),)
     else:
         declared, drafts = example_declarations(), example_drafts()
-    with bars() as progress:
-        total = sum(len(draft.actions) + 1 for draft in drafts)
-        done = 0
-
-        def tell(name: str, _written: int, _of: int) -> None:
-            nonlocal done
-            done += 1
-            if photos is not None:
-                progress("photos", done, total, name)
-
-        name = directory.resolve().name or "project"
-        write_drafts(directory, drafts, domain_text(name, declared), overwrite=overwrite, tell=tell)
+    _write(directory, drafts, declared, overwrite=overwrite, shown=photos is not None)
     if json:
         print_json({"folder": str(directory), "demonstrations": {d.name: len(d.actions) + 1 for d in drafts}})
         return 0
@@ -108,6 +105,22 @@ def init(
         err.print(f"{directory / 'demos' / draft.name}: {draft.notes[0]}", markup=False, soft_wrap=True)
     err.print(f"What to fill in, and where: pix2pred check {directory}", markup=False)
     return 0
+
+
+def _write(directory: Path, drafts: Sequence[Draft], declared: Declarations, *, overwrite: bool, shown: bool) -> None:
+    """Write the project; how it goes is ``shown``."""
+    with bars() as progress:
+        total = sum(len(draft.actions) + 1 for draft in drafts)
+        done = 0
+
+        def tell(name: str, _written: int, _of: int) -> None:
+            nonlocal done
+            done += 1
+            if shown:
+                progress("photos", done, total, name)
+
+        name = directory.resolve().name or "project"
+        write_drafts(directory, drafts, domain_text(name, declared), overwrite=overwrite, tell=tell)
 
 
 def _photos(directory: Path, photos: Path, order: Order, max_side: int) -> tuple[Draft, ...]:

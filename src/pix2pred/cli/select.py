@@ -24,7 +24,7 @@ from pix2pred.learning import (
 )
 from pix2pred.planning.pddl.write import write_domain, write_problem
 from pix2pred.structs import Predicate, WorldModel
-from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.files import write_whole
 from pix2pred.system.parallel import Backend, Workers
 

@@ -8,19 +8,9 @@ from dataclasses import dataclass, field
 from pix2pred.demos.files.documents import DomainDoc, Sheet
 from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.structs import Object, Predicate, Skill, Type, Vocabulary
-from pix2pred.structs.formats.documents import (
-    ObjectDoc,
-    PredicateDoc,
-    SkillDoc,
-    TriggerDoc,
-    TypeDoc,
-    UnknownNameError,
-    build_predicate,
-    build_skill,
-    build_types,
-)
-
-MAX_ANCESTORS = 50
+from pix2pred.structs.formats.building import MAX_ANCESTORS, build_predicate, build_skill, build_types, trigger_faults
+from pix2pred.structs.formats.documents import ObjectDoc, PredicateDoc, SkillDoc, TypeDoc
+from pix2pred.structs.formats.names import UnknownNameError
 
 _NEEDED = {
     "types": "the kinds of objects, such as '- {name: cup}'",
@@ -141,30 +131,10 @@ class _Builder:
                 self.broken.add(doc.name)
                 continue
             built.append(predicate)
-            for key in ("set_by", "cleared_by"):
-                for i, trigger in enumerate(getattr(doc, key)):
-                    self._check_trigger((*loc, key, i), predicate, trigger)
+            for fault in trigger_faults(predicate, self.skill_table):
+                if fault.skill not in self.broken:
+                    self.sheet.report((*loc, *fault.where), fault.message)
         return tuple(built)
-
-    def _check_trigger(self, loc: Loc, predicate: Predicate, trigger: TriggerDoc) -> None:
-        """The skill exists, and each argument of the predicate gets a skill argument of a matching type."""
-        skill = self.skill_table.get(trigger.skill)
-        if skill is None:
-            if trigger.skill not in self.broken:
-                message = str(UnknownNameError("skill", trigger.skill, self.skill_table))
-                self.sheet.report((*loc, "skill"), message)
-            return
-        if len(trigger.args) != predicate.arity:
-            what = f"predicate {predicate.name} takes {predicate.arity} arguments, args has {len(trigger.args)}"
-            self.sheet.report((*loc, "args"), what)
-            return
-        for i, (wanted, position) in enumerate(zip(predicate.types, trigger.args, strict=True)):
-            if not 0 <= position < len(skill.types):
-                what = f"skill {skill} has no argument {position}; positions count from 0"
-                self.sheet.report((*loc, "args", i), what)
-            elif not (skill.types[position].is_a(wanted) or wanted.is_a(skill.types[position])):
-                what = f"argument {position} of skill {skill} is a {skill.types[position]}, not a {wanted}"
-                self.sheet.report((*loc, "args", i), what)
 
     def _known_types(self, owner: str, types: Sequence[str], loc: Loc) -> bool:
         for position, name in enumerate(types):

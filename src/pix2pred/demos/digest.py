@@ -7,7 +7,7 @@ import json
 
 from pix2pred.demos.read import Project
 from pix2pred.structs import Demo, State
-from pix2pred.structs.formats.documents import vocabulary_doc
+from pix2pred.structs.formats.writing import vocabulary_doc
 
 
 def project_digest(project: Project) -> str:

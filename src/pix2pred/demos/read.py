@@ -26,7 +26,7 @@ from pix2pred.demos.files.folders import (
 from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.goals import check_goal
 from pix2pred.demos.pictures import check_image_folders
-from pix2pred.demos.scenes import Scene
+from pix2pred.demos.scenes import SceneReader
 from pix2pred.structs import Demo, Task, Vocabulary
 
 
@@ -129,7 +129,7 @@ def _read_demo(
         sheet.report(
             ("states",), f"{len(doc.actions)} actions need {len(doc.actions) + 1} states, found {len(doc.states)}"
         )
-    scene = Scene(sheet, declared, root, warned)
+    scene = SceneReader(sheet, declared, root, warned)
     if not doc.objects:
         known = ", ".join(list(declared.objects)[:20])
         sheet.report(("objects",), f"to be filled in: the objects of this scene{f', of {known}' if known else ''}")
@@ -165,7 +165,7 @@ def read_one_task(
     sheet, doc = loaded
     if not doc.goal:
         sheet.report(("goal",), "a task needs a goal")
-    scene = Scene(sheet, declared, root, warned)
+    scene = SceneReader(sheet, declared, root, warned)
     objects = scene.objects(doc.objects)
     goal = scene.atoms(("goal",), doc.goal)
     images = folder / IMAGES

@@ -21,7 +21,7 @@ from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.files.yaml_lines import LinedData, YamlError, parse_yaml
 from pix2pred.demos.pictures import ENDINGS
 from pix2pred.demos.read import StoredTask, read_one_task
-from pix2pred.demos.scenes import Scene
+from pix2pred.demos.scenes import SceneReader
 from pix2pred.structs import Image, Picture, PictureError, State, Task, Vocabulary
 
 STATE = "state.yaml"
@@ -101,8 +101,8 @@ def state_from_doc(data: Any, images: Path, task: Task, vocabulary: Vocabulary) 
     return state
 
 
-def _scene(sheet: Sheet, task: Task, vocabulary: Vocabulary) -> Scene:
-    scene = Scene(sheet, Declared(vocabulary, {o.name: o for o in task.objects}), sheet.file.parent)
+def _scene(sheet: Sheet, task: Task, vocabulary: Vocabulary) -> SceneReader:
+    scene = SceneReader(sheet, Declared(vocabulary, {o.name: o for o in task.objects}), sheet.file.parent)
     scene.objects([o.name for o in task.objects])
     return scene
 

@@ -13,10 +13,11 @@ from pix2pred.demos.files.unfilled import ask_for_action, ask_for_atom, is_unfil
 from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.demos.pictures import PictureCheck, Shown, find_pictures
 from pix2pred.structs import Action, Application, Atom, Box, Image, Object, Picture, State, parse_application
-from pix2pred.structs.formats.documents import Names, ObjectDoc, UnknownNameError
+from pix2pred.structs.formats.documents import ObjectDoc
+from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
 
 
-class Scene:
+class SceneReader:
     """The objects of one file, and everything said about them. Problems go to the sheet; reading goes on."""
 
     def __init__(self, sheet: Sheet, declared: Declared, root: Path, warned: list[Problem] | None = None) -> None:
@@ -30,7 +31,7 @@ class Scene:
         self._sheet = sheet
         self._declared = declared
         self._root = root
-        self._names = Names(vocabulary.types, vocabulary.skills, vocabulary.initial)
+        self._names = DeclaredNames(vocabulary.types, vocabulary.skills, vocabulary.initial)
         self._broken = set(declared.broken)
         self._objects: dict[str, Object] = {}
         self._cameras: tuple[str, ...] | None = None

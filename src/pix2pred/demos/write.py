@@ -17,7 +17,7 @@ from pix2pred.demos.pictures import JPEG_START, PNG_START
 from pix2pred.demos.read import read_project, read_tasks
 from pix2pred.structs import Action, Demo, Image, Object, State, Vocabulary
 from pix2pred.structs.environment import SimulatedTask
-from pix2pred.structs.formats.documents import predicate_doc, skill_doc, type_doc
+from pix2pred.structs.formats.writing import predicate_doc, skill_doc, type_doc
 
 
 def write_project(

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from pix2pred.execution.changes import changes_between, signed
 from pix2pred.execution.parameters import Parameters, executed
 from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, Pursuit
 from pix2pred.predicates import Abstraction
 from pix2pred.structs import AbstractState, Action, Atom, ExecutedStep, GroundOperator, PlanResult
 from pix2pred.structs.environment import Environment, StepStatus
+from pix2pred.structs.plans import changes_between, signed
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pix2pred.execution.changes import Change, changes, changes_between, effects
 from pix2pred.execution.explaining.missing import Missing, missing
 from pix2pred.execution.explaining.scene import PlannedScene, listed
 from pix2pred.execution.pursuit import GivenUpError, Pursuit
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
+from pix2pred.structs.plans import Change, changes, changes_between, effects
 
 
 @dataclass(frozen=True, slots=True)

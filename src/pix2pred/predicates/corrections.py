@@ -22,8 +22,10 @@ from pix2pred.structs import (
     Predicate,
     TruthTable,
 )
-from pix2pred.structs.formats.documents import Document, Names, PredicateName, UnknownNameError
+from pix2pred.structs.formats.documents import Document, PredicateName
+from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.files import read_regular
 
 CORRECTIONS = "corrections.jsonl"
 """Where a run keeps them."""
@@ -103,7 +105,7 @@ def read_rows(path: Path) -> tuple[Row, ...]:
     """
     if not path.exists():
         return ()
-    lines = path.read_bytes().split(b"\n")[:-1]
+    lines = read_regular(path).split(b"\n")[:-1]
     rows = []
     for number, line in enumerate(lines, start=1):
         try:
@@ -210,7 +212,7 @@ class Corrections:
     def _relabelled(self, demo: LabelledDemo, predicates: dict[str, Predicate]) -> LabelledDemo:
         """``demo`` with corrected labels, of atoms that were false everywhere, too, and with the atoms merges need."""
         mine = {cell: label for cell, label in self.labels.items() if cell[0] == demo.name}
-        names = Names((), (), tuple(predicates.values()))
+        names = DeclaredNames((), (), tuple(predicates.values()))
         objects = {o.name: o for o in demo.objects}
         where = {}
         for _, state, parts in mine:

@@ -16,7 +16,6 @@ from markupsafe import Markup
 
 from pix2pred import __version__
 from pix2pred.execution import Guided, Look, Missing, Need, PlannedScene
-from pix2pred.execution.changes import Change, effects
 from pix2pred.execution.explaining.scene import said
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import draw_view, skill_crop
@@ -29,6 +28,7 @@ from pix2pred.structs import (
     PlanStatus,
     State,
 )
+from pix2pred.structs.plans import Change, effects
 from pix2pred.structs.predicates import source_name
 from pix2pred.structs.states import Pixels
 from pix2pred.structs.views import View

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pix2pred.structs import Operator
+from pix2pred.structs import Object, Operator
+from pix2pred.structs.plans import effects, signed
 from pix2pred.structs.predicates import parse_application
 
 
@@ -72,6 +73,5 @@ def _expected(text: str, operators: Mapping[str, Operator]) -> tuple[str, ...]:
     operator = operators.get(parsed.name)
     if operator is None or len(operator.parameters) != len(parsed.args):
         return ()
-    bound = dict(zip(operator.parameters, parsed.args, strict=True))
-    signed = [("+", a) for a in sorted(operator.add)] + [("-", a) for a in sorted(operator.delete)]
-    return tuple(f"{sign}{a.predicate.name}({', '.join(bound[v] for v in a.variables)})" for sign, a in signed)
+    objects = tuple(Object(name, v.type) for name, v in zip(parsed.args, operator.parameters, strict=True))
+    return signed(effects(operator.ground(objects)))

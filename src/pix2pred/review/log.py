@@ -6,7 +6,6 @@ a later one about the same thing is refused instead of silently winning.
 
 from __future__ import annotations
 
-import fcntl
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -28,6 +27,11 @@ from pix2pred.structs import (
     TruthTable,
 )
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.files import refuse_irregular
+from pix2pred.system.locks import held
+
+_AS_IT_IS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+"""No link is followed, no pipe waited for, no line end changed."""
 
 
 class StaleError(Pix2predError, ValueError):
@@ -101,23 +105,25 @@ class CorrectionLog:
 
     @contextmanager
     def _locked(self) -> Iterator[int]:
-        is_new = not self.path.exists()
-        file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            if is_new:
-                folder = os.open(self.path.parent, os.O_RDONLY)
-                os.fsync(folder)
-                os.close(folder)
-            yield file
-        finally:
-            os.close(file)
+        with held(self.path.with_name(f".{self.path.name}.lock"), wait=True):
+            is_new = not self.path.exists()
+            refuse_irregular(self.path)
+            file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND | _AS_IT_IS, 0o600)
+            try:
+                if is_new and os.name != "nt":  # where folders cannot be opened
+                    folder = os.open(self.path.parent, os.O_RDONLY)
+                    os.fsync(folder)
+                    os.close(folder)
+                yield file
+            finally:
+                os.close(file)
 
     @staticmethod
     def _drop_torn_line(file: int) -> None:
         """Cut off a last line that a killed process did not finish; nobody was told that it was saved."""
         size = os.fstat(file).st_size
-        content = os.pread(file, size, 0)
+        os.lseek(file, 0, os.SEEK_SET)
+        content = os.read(file, size)
         os.ftruncate(file, content.rfind(b"\n") + 1)
 
 

@@ -21,10 +21,9 @@ corrections have the same bytes for the same inputs.
 
 from __future__ import annotations
 
-import fcntl
 import json
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +31,7 @@ import yaml
 
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.files import remove_abandoned, write_whole
+from pix2pred.system.locks import LockedError, held
 
 
 class RunFolderError(Pix2predError, ValueError):
@@ -53,16 +53,19 @@ class RunFolder:
             raise RunFolderError(f"{self.path}: cannot be used as a run folder ({error.strerror})") from error
         path = self.path / ".lock"
         is_new = not path.exists()
-        with path.open("w") as lock:
+        with ExitStack() as stack:
             try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError as error:
+                stack.enter_context(held(path, wait=False))
+            except LockedError as error:
                 raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
+            except OSError as error:
+                raise RunFolderError(f"{path}: {error.strerror}; a run is locked with this file") from error
             try:
                 yield self
             except RunFolderError:
-                if is_new:
-                    path.unlink(missing_ok=True)  # refused: leave the folder as it was
+                if is_new:  # refused: leave the folder as it was
+                    with suppress(OSError):  # Windows removes no open file, but its lock removes itself
+                        path.unlink()
                 raise
 
     def claim(self, config: Mapping[str, Any]) -> None:

@@ -25,12 +25,12 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pix2pred.demos import Photographed, Project, project_digest, state_from_doc, write_state
 from pix2pred.execution import Guided, Look, Missing, PlannedScene
-from pix2pred.execution.changes import signed
 from pix2pred.planning import is_valid
 from pix2pred.planning.pddl.write import write_domain, write_plan, write_problem
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.structs import Atom, Demo, GroundOperator, Task, WorldModel
 from pix2pred.structs.formats.world_model import dump_model
+from pix2pred.structs.plans import signed
 from pix2pred.structs.predicates import source_name
 
 SESSION, PAGE = "session.json", "plan.html"

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 from pix2pred.structs.demos import Demo, Task, Vocabulary
-from pix2pred.structs.predicates import Atom
 from pix2pred.structs.samplers import Features
 from pix2pred.structs.skills import Action
 from pix2pred.structs.states import Pixels, State
@@ -84,10 +83,6 @@ class Filmed(Protocol):
     def film(self, sink: FrameSink | None) -> None:
         """From now on hand ``sink`` a frame about every tenth of a simulated second; ``None`` stops."""
         ...
-
-
-TruthOfWord = Callable[[Atom], bool | None]
-"""The true value of a visual atom in the current simulator state; None for words without a ground truth."""
 
 
 class Domain(Protocol):

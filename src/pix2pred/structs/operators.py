@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from pix2pred.structs.objects import Object, Variable
+from pix2pred.structs.objects import Object, Variable, groundings
 from pix2pred.structs.predicates import Atom, LiftedAtom
 from pix2pred.structs.skills import Skill
 from pix2pred.structs.states import AbstractState
@@ -38,6 +38,18 @@ class Operator:
             frozenset(a.ground(binding) for a in self.delete),
             tuple(binding[v] for v in self.skill_args),
         )
+
+    def groundings(self, fixed: Mapping[Variable, Object], objects: Iterable[Object]) -> Iterator[GroundOperator]:
+        """Every way to bind the parameters, in sorted order: those in ``fixed`` as given, the others to ``objects``.
+
+        All are distinct and of their types; there is no way when those in ``fixed`` are not.
+        """
+        if len(set(fixed.values())) < len(fixed) or not all(o.type.is_a(v.type) for v, o in fixed.items()):
+            return
+        free = [v for v in self.parameters if v not in fixed]
+        for chosen in groundings([v.type for v in free], set(objects) - set(fixed.values()), distinct=True):
+            binding = {**fixed, **dict(zip(free, chosen, strict=True))}
+            yield self.ground(tuple(binding[v] for v in self.parameters))
 
     def broken_laws(self) -> Iterator[str]:
         """Which of the structural laws of method 1.6 this operator breaks, one sentence each."""

@@ -36,11 +36,6 @@ class Action:
     objects: tuple[Object, ...]
     params: tuple[float, ...] = ()
 
-    @property
-    def typed(self) -> str:
-        """The form used in prompts, ``Pick[robot:robot, patty1:patty]``."""
-        return f"{self.skill.name}[{', '.join(f'{o.name}:{o.type.name}' for o in self.objects)}]"
-
     def __str__(self) -> str:
         text = f"{self.skill.name}({', '.join(o.name for o in self.objects)})"
         return text + (f"[{', '.join(repr(float(p)) for p in self.params)}]" if self.params else "")

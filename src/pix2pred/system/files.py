@@ -1,27 +1,54 @@
-"""Writing files that appear complete or not at all."""
+"""Files that appear complete or not at all, and files that are what they seem: no links, no pipes."""
 
 from __future__ import annotations
 
+import errno
 import os
 import re
+import stat
 import threading
 from pathlib import Path
 
 _TEMPORARY = re.compile(r"^\..+\.(\d{1,9})\.\d+\.part$")
 """``.NAME.PROCESS.THREAD.part``: a file being written."""
 
+_KINDS = {stat.S_ISLNK: "a link", stat.S_ISDIR: "a folder", stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket"}
+
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write ``content`` under another name, then rename. Raises ``OSError`` that names ``path``."""
+    """Write ``content`` under another name, then rename; a link at ``path`` is replaced, not followed.
+
+    Raises ``OSError`` that names ``path``.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.part")
     try:
-        temporary.write_bytes(content)
+        temporary.unlink(missing_ok=True)  # of a process that had our number and was killed
+        with temporary.open("xb") as file:
+            file.write(content)
         temporary.replace(path)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def refuse_irregular(path: Path) -> None:
+    """Raise ``OSError`` when there is something at ``path`` that is no regular file: a link, a folder, a pipe."""
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return
+    if not stat.S_ISREG(mode):
+        kind = next((word for is_kind, word in _KINDS.items() if is_kind(mode)), "a device")
+        raise OSError(errno.EINVAL, f"is {kind}, where a plain file belongs; remove it", str(path))
+
+
+def read_regular(path: Path) -> bytes:
+    """The content of the file at ``path``, reached through links too. Raises ``OSError`` for pipes and devices."""
+    if path.exists():
+        refuse_irregular(path.resolve())
+    return path.read_bytes()
 
 
 def remove_abandoned(folder: Path) -> None:
@@ -33,6 +60,8 @@ def remove_abandoned(folder: Path) -> None:
 
 
 def _is_running(process: int) -> bool:
+    if os.name == "nt":
+        return True  # there, asking with signal 0 would end the process
     try:
         os.kill(process, 0)
     except ProcessLookupError:

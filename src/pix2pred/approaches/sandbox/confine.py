@@ -11,7 +11,6 @@ from __future__ import annotations
 import ctypes
 import os
 import platform
-import resource
 import struct
 import sys
 
@@ -47,6 +46,8 @@ def confine(megabytes: int, cpu_seconds: int) -> None:
     machine = platform.machine()
     if not sys.platform.startswith("linux") or machine not in _MACHINES:
         raise ConfinementError(f"confining processes needs Linux on x86-64 or ARM-64, not {sys.platform} on {machine}")
+    import resource  # which other systems do not have
+
     libc = ctypes.CDLL(None, use_errno=True)
     os.chdir("/")
     os.closerange(3, 4096)

@@ -25,18 +25,9 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from pix2pred.structs import parse_application
-from pix2pred.structs.formats.documents import (
-    ObjectDoc,
-    PredicateDoc,
-    SkillDoc,
-    TypeDoc,
-    UnknownNameError,
-    build_predicate,
-    build_skill,
-    build_types,
-    check_distinct,
-    check_triggers,
-)
+from pix2pred.structs.formats.building import build_predicate, build_skill, build_types, check_triggers
+from pix2pred.structs.formats.documents import ObjectDoc, PredicateDoc, SkillDoc, TypeDoc
+from pix2pred.structs.formats.names import UnknownNameError, check_distinct
 from pix2pred.system.errors import Pix2predError
 
 T = TypeVar("T")

@@ -6,7 +6,6 @@ locked, and the lock ends with its process.
 
 from __future__ import annotations
 
-import fcntl
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -15,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from pix2pred.demos.files.problems import FolderError
+from pix2pred.system.locks import LockedError, held
 
 _PREFIX, _LOCK = ".pix2pred-", "lock"
 
@@ -25,8 +25,7 @@ def staged(directory: Path) -> Iterator[Path]:
     near = directory if directory.is_dir() else directory.parent
     near.mkdir(parents=True, exist_ok=True)
     _remove_abandoned(near)
-    with tempfile.TemporaryDirectory(prefix=_PREFIX, dir=near) as made, (Path(made) / _LOCK).open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with tempfile.TemporaryDirectory(prefix=_PREFIX, dir=near) as made, held(Path(made) / _LOCK, wait=True):
         stage = Path(made) / "new"
         stage.mkdir()
         yield stage
@@ -36,10 +35,9 @@ def _remove_abandoned(near: Path) -> None:
     """Remove what processes that have ended had begun in ``near``."""
     for lock in near.glob(f"{_PREFIX}*/{_LOCK}"):
         try:
-            with lock.open("r+") as file:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            with held(lock, wait=False):
                 shutil.rmtree(lock.parent, ignore_errors=True)
-        except OSError:  # somebody is writing there, or it is not ours
+        except (LockedError, OSError):  # somebody is writing there, or it is not ours
             continue
 
 

@@ -22,7 +22,7 @@ from pix2pred.demos.authoring.photos import MAX_SIDE, scaled
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import Segment
 from pix2pred.demos.importers.frames_of_video import frames_at
-from pix2pred.demos.importers.lerobot_meta import DatasetError, Episode, Info, read_episodes, read_info
+from pix2pred.demos.importers.lerobot_meta import DatasetError, Info, RecordedEpisode, read_episodes, read_info
 from pix2pred.demos.importers.parquet import picture_rows
 from pix2pred.structs import Image
 from pix2pred.system.extras import optional
@@ -46,7 +46,12 @@ def drafts_of_lerobot(source: Path, segments: Sequence[Segment], *, max_side: in
 
 
 def _draft(
-    segment: Segment, info: Info, episodes: Mapping[int, Episode], source: Path, max_side: int, found: list[Problem]
+    segment: Segment,
+    info: Info,
+    episodes: Mapping[int, RecordedEpisode],
+    source: Path,
+    max_side: int,
+    found: list[Problem],
 ) -> Draft | None:
     doc = segment.doc
     number = doc.source
@@ -78,7 +83,7 @@ def _draft(
     return Draft(doc.name, tuple(s.do for s in doc.steps), pictures, doc.objects, doc.goal, _notes(info, episode))
 
 
-def _notes(info: Info, episode: Episode) -> tuple[str, ...]:
+def _notes(info: Info, episode: RecordedEpisode) -> tuple[str, ...]:
     """Where the demonstration comes from, and what is not brought over."""
     tasks = "; ".join(episode.tasks)[:300]
     left = ", ".join(info.numbers) or "none"
@@ -95,7 +100,7 @@ class _Pictures:
 
     source: Path
     info: Info
-    episode: Episode
+    episode: RecordedEpisode
     frames: tuple[int, ...]
     segment: Segment
     max_side: int

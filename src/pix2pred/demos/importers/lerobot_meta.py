@@ -50,7 +50,7 @@ class InfoDoc(BaseModel):
 
 
 @dataclass(frozen=True, slots=True)
-class Camera:
+class CameraColumn:
     """A column of pictures: its name there, the name it gets here, and whether it is kept as video."""
 
     key: str
@@ -63,14 +63,14 @@ class Info:
     """Frames per second, the cameras, the other columns, and how paths are made."""
 
     fps: float
-    cameras: tuple[Camera, ...]
+    cameras: tuple[CameraColumn, ...]
     numbers: tuple[str, ...]
     data_path: str
     video_path: str
 
 
 @dataclass(frozen=True, slots=True)
-class Episode:
+class RecordedEpisode:
     """An episode: its number, its frames, its tasks in words, and the row that says where it lies."""
 
     number: int
@@ -116,11 +116,11 @@ def read_info(source: Path) -> Info:
         raise DatasetError(file, f"{where}: {first['msg']}") from error
     except (OSError, RecursionError, json.JSONDecodeError, UnicodeDecodeError) as error:
         raise DatasetError(file, f"cannot be read as JSON ({error})") from error
-    cameras: dict[str, Camera] = {}
+    cameras: dict[str, CameraColumn] = {}
     for key, feature in doc.features.items():
         if feature.dtype in ("video", "image"):
             name = demo_name(key.removeprefix(_PREFIX).replace(".", "_"), list(cameras))
-            cameras[name] = Camera(key, name, feature.dtype == "video")
+            cameras[name] = CameraColumn(key, name, feature.dtype == "video")
     if not cameras:
         raise DatasetError(file, "the dataset has no camera; nothing can be learned from it")
     numbers = tuple(key for key, feature in doc.features.items() if feature.dtype not in ("video", "image"))
@@ -128,7 +128,7 @@ def read_info(source: Path) -> Info:
     return Info(doc.fps, tuple(cameras.values()), numbers, doc.data_path, video_path)
 
 
-def read_episodes(source: Path, info: Info) -> dict[int, Episode]:
+def read_episodes(source: Path, info: Info) -> dict[int, RecordedEpisode]:
     """The episodes of all tables below ``meta/episodes``, by number. Raises ``DatasetError``."""
     folder = source / "meta" / "episodes"
     found: list[Problem] = []
@@ -142,7 +142,7 @@ def read_episodes(source: Path, info: Info) -> dict[int, Episode]:
     for camera in info.cameras:
         if camera.is_video:
             columns += [f"videos/{camera.key}/{c}" for c in ("chunk_index", "file_index", "from_timestamp")]
-    episodes: dict[int, Episode] = {}
+    episodes: dict[int, RecordedEpisode] = {}
     for file in files:
         try:
             for row in rows(file, columns, source):
@@ -159,10 +159,10 @@ def read_episodes(source: Path, info: Info) -> dict[int, Episode]:
     return dict(sorted(episodes.items()))
 
 
-def _episode(row: Mapping[str, Any]) -> Episode:
+def _episode(row: Mapping[str, Any]) -> RecordedEpisode:
     number = _whole(row["episode_index"], row["episode_index"])
     tasks = row["tasks"] if isinstance(row["tasks"], list) else [row["tasks"]]
-    return Episode(number, _whole(row["length"], number), tuple(str(t) for t in tasks if t is not None), row)
+    return RecordedEpisode(number, _whole(row["length"], number), tuple(str(t) for t in tasks if t is not None), row)
 
 
 def _whole(value: object, episode: object) -> int:

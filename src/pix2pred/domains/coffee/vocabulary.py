@@ -41,7 +41,6 @@ GIVEN = (
     CUP_FILLED, HOLDING, ON_TABLE, HAND_EMPTY, ROBOT_ABOVE_CUP, JUG_ABOVE_CUP, NOT_ABOVE_CUP, PRESSING_BUTTON,
     NOT_SAME_CUP, JUG_PICKABLE,
 )  # fmt: skip
-PREDICATE_OF: Mapping[str, Predicate] = {p.name: p for p in GIVEN}
 
 
 def make_object(name: str, type_name: str) -> Object:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import islice, product
+from itertools import islice
 
 from pix2pred.planning import GroundingBudgetError, ground
-from pix2pred.structs import AbstractState, Atom, GroundOperator, LiftedAtom, Object, Operator
+from pix2pred.structs import AbstractState, Atom, GroundOperator, Object, Operator
 
 MOST_BINDINGS = 5_000
 """Ways to fill an operator's parameters that are looked at for one atom."""
@@ -58,24 +58,11 @@ def _closest(atom: Atom, operators: Sequence[Operator], objects: Sequence[Object
     for operator in operators:
         for lifted in sorted(operator.add):
             if lifted.predicate == atom.predicate:
-                for step in islice(_bindings(operator, lifted, atom, objects), MOST_BINDINGS):
+                fixed = dict(zip(lifted.variables, atom.objects, strict=True))
+                for step in islice(operator.groundings(fixed, objects), MOST_BINDINGS):
                     lacking = len(step.preconditions - reachable)
                     if best is None or lacking < best[0]:
                         best = (lacking, step)
     if best is None:
         return Missing(atom, None, ())
     return Missing(atom, best[1], tuple(sorted(best[1].preconditions - reachable)))
-
-
-def _bindings(
-    operator: Operator, lifted: LiftedAtom, atom: Atom, objects: Sequence[Object]
-) -> Iterator[GroundOperator]:
-    """The operator with ``lifted`` bound to ``atom``, other parameters in every way; all objects distinct."""
-    bound = dict(zip(lifted.variables, atom.objects, strict=True))
-    if not all(o.type.is_a(v.type) for v, o in bound.items()):
-        return
-    domains = [[bound[v]] if v in bound else [o for o in sorted(objects) if o.type.is_a(v.type)]
-               for v in operator.parameters]  # fmt: skip
-    for choice in product(*domains):
-        if len(set(choice)) == len(choice):
-            yield operator.ground(choice)

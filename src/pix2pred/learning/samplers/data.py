@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.structs import AbstractState, Action, Demo, GroundOperator, LabelledDemo, Object, Operator, groundings
+from pix2pred.structs import AbstractState, Action, Demo, GroundOperator, LabelledDemo, Object, Operator
 from pix2pred.structs.samplers import Features
 
 Rows = NDArray[np.float64]
@@ -57,7 +57,8 @@ def sampler_data(operator: Operator, demos: Sequence[Demo], labelled: Sequence[L
     good, bad = list[tuple[Rows, Rows]](), list[tuple[Rows, Rows]]()
     for tried in _runs(operator, demos, labelled):
         params = np.array(tried.action.params, dtype=float)
-        bound = list(_bindings(operator, tried))
+        fixed = dict(zip(operator.skill_args, tried.action.objects, strict=True))
+        bound = list(islice(operator.groundings(fixed, tried.objects), MOST_NEGATIVES))
         own = _explains(tried, bound)
         if own is not None:
             good.append((input_row(tried.features, own.objects), params))
@@ -78,16 +79,6 @@ def _runs(operator: Operator, demos: Sequence[Demo], labelled: Sequence[Labelled
                 before, after = states[t], states[t + 1]
                 features = demo.states[t].features
                 yield _Tried(features, demo.objects, before, action, after - before, before - after)
-
-
-def _bindings(operator: Operator, tried: _Tried) -> Iterator[GroundOperator]:
-    """The operator with the skill's arguments bound as they were and the other parameters to anything that fits."""
-    fixed = dict(zip(operator.skill_args, tried.action.objects, strict=True))
-    free = [v for v in operator.parameters if v not in fixed]
-    others = [o for o in tried.objects if o not in fixed.values()]
-    for chosen in islice(groundings([v.type for v in free], others, distinct=True), MOST_NEGATIVES):
-        binding = fixed | dict(zip(free, chosen, strict=True))
-        yield operator.ground(tuple(binding[v] for v in operator.parameters))
 
 
 def _explains(tried: _Tried, bound: Sequence[GroundOperator]) -> GroundOperator | None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from pix2pred.learning.selection.result import ClimbStep, Selection
 from pix2pred.learning.settings import LearningSettings
-from pix2pred.structs.formats.documents import operator_doc
+from pix2pred.structs.formats.writing import operator_doc
 
 DIGITS = 4
 """Decimals of J: fewer than the last bits in which machines may differ."""

@@ -27,21 +27,10 @@ from pix2pred.structs import (
     TruthTable,
     Vocabulary,
 )
-from pix2pred.structs.formats.documents import (
-    Document,
-    Name,
-    Names,
-    ObjectDoc,
-    PredicateDoc,
-    SkillDoc,
-    TypeDoc,
-    build_predicate,
-    build_skill,
-    build_types,
-    predicate_doc,
-    skill_doc,
-    type_doc,
-)
+from pix2pred.structs.formats.building import build_predicate, build_skill, build_types
+from pix2pred.structs.formats.documents import Document, Name, ObjectDoc, PredicateDoc, SkillDoc, TypeDoc
+from pix2pred.structs.formats.names import DeclaredNames
+from pix2pred.structs.formats.writing import predicate_doc, skill_doc, type_doc
 from pix2pred.system.errors import Pix2predError
 
 MAX_BYTES = 1 << 30
@@ -138,7 +127,7 @@ class _Builder:
         )
         self._refuse_repeats("skills", [s.name for s in skills])
         self._refuse_repeats("predicates", [p.name for p in predicates])
-        self._names = Names(types, skills, predicates)
+        self._names = DeclaredNames(types, skills, predicates)
         pairs = list(zip(self._doc.predicates, predicates, strict=True))
         initial = tuple(p for doc, p in pairs if doc.kind == "given")
         pool = tuple(

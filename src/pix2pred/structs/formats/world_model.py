@@ -8,21 +8,10 @@ from typing import Literal
 
 from pydantic import ValidationError
 
-from pix2pred.structs.formats.documents import (
-    Document,
-    Names,
-    OperatorDoc,
-    PredicateDoc,
-    VocabularyDoc,
-    build_operator,
-    build_predicate,
-    build_vocabulary,
-    check_distinct,
-    check_triggers,
-    operator_doc,
-    predicate_doc,
-    vocabulary_doc,
-)
+from pix2pred.structs.formats.building import build_operator, build_predicate, build_vocabulary, check_triggers
+from pix2pred.structs.formats.documents import Document, OperatorDoc, PredicateDoc, VocabularyDoc
+from pix2pred.structs.formats.names import DeclaredNames, check_distinct
+from pix2pred.structs.formats.writing import operator_doc, predicate_doc, vocabulary_doc
 from pix2pred.structs.world_model import WorldModel
 from pix2pred.system.errors import Pix2predError
 
@@ -90,5 +79,5 @@ def _build_model(doc: WorldModelDoc) -> WorldModel:
     check_distinct("operator", [o.name for o in doc.operators])
     for predicate in selected:
         check_triggers(predicate, vocabulary.skills)
-    names = Names(vocabulary.types, vocabulary.skills, predicates)
+    names = DeclaredNames(vocabulary.types, vocabulary.skills, predicates)
     return WorldModel(vocabulary, selected, tuple(build_operator(o, names) for o in doc.operators), doc.labels_from)

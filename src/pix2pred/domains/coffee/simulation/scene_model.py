@@ -116,7 +116,7 @@ class _Builder:
             kinds.mjGEOM_CYLINDER,
             kinds.mjGEOM_CAPSULE,
         )
-        self.mesh_type, self.sphere_type = kinds.mjGEOM_MESH, kinds.mjGEOM_SPHERE
+        self.mesh_type = kinds.mjGEOM_MESH
         self.spec = spec
         self.world = spec.worldbody
 
