@@ -27,7 +27,7 @@ from pix2pred.recordings.archive import pack_folder, unpack_folder
 from pix2pred.registry import load_domain, load_planner
 from pix2pred.structs import Image, PlanStatus
 from pix2pred.structs.environment import SimulatedTask
-from pix2pred.structs.formats.documents import UnknownNameError
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import Answer, AnswerStore, Request, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import replayed
 
