@@ -18,7 +18,8 @@ import yaml
 from pydantic import Field
 
 from pix2pred.recordings.archive import unpack_folder
-from pix2pred.structs.formats.documents import Document, UnknownNameError
+from pix2pred.structs.formats.documents import Document
+from pix2pred.structs.formats.names import UnknownNameError
 
 ROOT = Path(__file__).parent
 ANSWERS, DATA, DESCRIPTION, SETTINGS = "answers.tar.xz", "data.tar.xz", "recording.yaml", "settings.yaml"
