@@ -17,6 +17,7 @@ from pix2pred.demos.authoring.photos import MAX_SIDE, Order
 from pix2pred.demos.files.folders import DOMAIN
 from pix2pred.demos.files.sidecar import read_sidecar
 from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos
+from pix2pred.system.progress import Stage
 
 imports = App(name="import")
 
@@ -103,7 +104,7 @@ def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: 
         def tell(name: str, _written: int, _of: int) -> None:
             nonlocal done
             done += 1
-            progress("import", done, total, name)
+            progress(Stage.IMPORT, done, total, name)
 
         write_drafts(project, drafts, domain, overwrite=overwrite, tell=tell)
     problems = inspect_project(project).problems

@@ -17,6 +17,7 @@ from pix2pred.demos.authoring.example import example_declarations, example_draft
 from pix2pred.demos.authoring.photos import MAX_SIDE, Order
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.importers import drafts_of_frames
+from pix2pred.system.progress import Stage
 
 _TO_FILL_IN = "An example to fill in. Put the photo of each state at images/0/main.jpg, images/1/main.jpg, and so on."
 
@@ -97,7 +98,7 @@ def init(
             nonlocal done
             done += 1
             if photos is not None:
-                progress("photos", done, total, name)
+                progress(Stage.PHOTOS, done, total, name)
 
         name = directory.resolve().name or "project"
         write_drafts(directory, drafts, domain_text(name, declared), overwrite=overwrite, tell=tell)

@@ -6,12 +6,13 @@ a later one about the same thing is refused instead of silently winning.
 
 from __future__ import annotations
 
-import fcntl
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
+
+from filelock import FileLock
 
 from pix2pred.predicates import CORRECTIONS, Corrections, CorrectionsError
 from pix2pred.predicates.corrections import (
@@ -28,6 +29,7 @@ from pix2pred.structs import (
     TruthTable,
 )
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.files import require_regular
 
 
 class StaleError(Pix2predError, ValueError):
@@ -101,17 +103,23 @@ class CorrectionLog:
 
     @contextmanager
     def _locked(self) -> Iterator[int]:
-        is_new = not self.path.exists()
-        file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            if is_new:
-                folder = os.open(self.path.parent, os.O_RDONLY)
-                os.fsync(folder)
-                os.close(folder)
-            yield file
-        finally:
-            os.close(file)
+        with FileLock(self.path.with_name(f".{self.path.name}.lock")):
+            require_regular(self.path)
+            is_new = not self.path.exists()
+            file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
+            try:
+                if is_new:
+                    self._keep_name()
+                yield file
+            finally:
+                os.close(file)
+
+    def _keep_name(self) -> None:
+        """Wait until the disk knows that the folder has the new file, where folders can be opened (not on Windows)."""
+        if os.name == "posix":
+            folder = os.open(self.path.parent, os.O_RDONLY)
+            os.fsync(folder)
+            os.close(folder)
 
     @staticmethod
     def _drop_torn_line(file: int) -> None:

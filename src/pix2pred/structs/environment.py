@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 from pix2pred.structs.demos import Demo, Task, Vocabulary
-from pix2pred.structs.predicates import Atom
 from pix2pred.structs.samplers import Features
 from pix2pred.structs.skills import Action
 from pix2pred.structs.states import Pixels, State
@@ -86,10 +85,6 @@ class Filmed(Protocol):
         ...
 
 
-TruthOfWord = Callable[[Atom], bool | None]
-"""The true value of a visual atom in the current simulator state; None for words without a ground truth."""
-
-
 class Domain(Protocol):
     """A simulated domain: its families of demonstrations and tasks, and how to run them."""
 
@@ -116,4 +111,38 @@ class Domain(Protocol):
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> Environment:
         """A fresh episode of a task; ``disturb`` is the probability that the scene is disturbed after a skill."""
+        ...
+
+
+@runtime_checkable
+class KnowsTruth(Protocol):
+    """A domain that knows what visual predicates mean. Used once a task has failed, to name the cause, never before."""
+
+    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool | None:
+        """Whether ``concept`` is true of the objects called ``names`` in the environment's present state.
+
+        ``concept`` is what the reader's word list calls the meaning of a phrase; for a domain without a reader it is
+        the phrase itself. ``None`` for concepts without a ground truth.
+        """
+        ...
+
+
+@runtime_checkable
+class Replayable(Protocol):
+    """A domain that gives the start of each demonstration, so that its states can be visited again.
+
+    With the truth of words this tells a wrong label in a demonstration from a wrong model.
+    """
+
+    def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
+        """The initial states of ``demonstrations(family, seed)``, in the same order."""
+        ...
+
+
+@runtime_checkable
+class Sized(Protocol):
+    """A domain that makes test tasks of a chosen size, for the sweep over ``items``."""
+
+    def sized_tasks(self, family: str, seed: int, count: int, items: int) -> Sequence[SimulatedTask]:
+        """``count`` tasks with ``items`` movable things. Raises ``ValueError`` when the family has none."""
         ...

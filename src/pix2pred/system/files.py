@@ -4,11 +4,29 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 import threading
 from pathlib import Path
 
+from pix2pred.system.errors import Pix2predError
+
 _TEMPORARY = re.compile(r"^\..+\.(\d{1,9})\.\d+\.part$")
 """``.NAME.PROCESS.THREAD.part``: a file being written."""
+
+
+class OddFileError(Pix2predError, OSError):
+    """Something that is no plain file stands where one should be."""
+
+
+def require_regular(path: Path) -> None:
+    """Raise ``OddFileError`` if ``path`` is there and is no plain file: no link is followed, no pipe waited for."""
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return
+    if not stat.S_ISREG(mode):
+        kind = "a link" if stat.S_ISLNK(mode) else "a folder" if stat.S_ISDIR(mode) else "no regular file"
+        raise OddFileError(f"{path}: is {kind}, where a plain file should be; remove it")
 
 
 def write_whole(path: Path, content: bytes) -> None:
