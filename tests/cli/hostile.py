@@ -79,7 +79,7 @@ def start(seconds: float, *args: object, **options: Any) -> subprocess.Popen[str
 
 
 def finish(process: subprocess.Popen[str]) -> Ran:
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=300)
     return Ran(process.returncode, out, err)
 
 

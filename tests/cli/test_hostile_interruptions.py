@@ -20,7 +20,7 @@ from command_line import Cli, Ran
 
 
 def _wait_for(path: Path, pattern: str) -> None:
-    for _ in range(400):
+    for _ in range(6000):  # two minutes on a machine that does nothing else
         if next(path.glob(pattern), None):
             return
         time.sleep(0.02)

@@ -241,7 +241,7 @@ def test_a_killed_session_loses_no_photo(run: Path) -> None:
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(program.parents[1]), *sys.path])}
     process = subprocess.Popen([sys.executable, "-c", slow], env=environment, stderr=subprocess.DEVNULL)
     session = run / "plans/t0/session.json"
-    for _ in range(600):
+    for _ in range(2400):
         if session.exists():
             break
         time.sleep(0.05)
