@@ -19,7 +19,7 @@ from joblib import Parallel, delayed
 from pix2pred.execution import Solver
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.registry import load_domain, load_planner
-from pix2pred.runs.learn import MODEL
+from pix2pred.runs.layout import MODEL
 from pix2pred.structs.formats.world_model import load_model
 from pix2pred.structs.views import View
 from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle

@@ -25,12 +25,13 @@ import numpy as np
 from pix2pred.demos import Project, project_digest
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.learning import LearningSettings
-from pix2pred.pipeline import Settings
+from pix2pred.pipeline import LearningProblem
 from pix2pred.report import write_report
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.learn import learn_into
+from pix2pred.settings import Settings
 from pix2pred.structs import Demo
-from pix2pred.vlm import Answer, AnswerStore, CountingVLM, Request, StoredVLM
+from pix2pred.vlm import Answer, AnswerStore, Request, StoredVLM
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 
 WHY = "The surface looks evenly lit and nothing covers it, which matches what was said about the state before."
@@ -71,8 +72,7 @@ def large_run(folder: Path, demos: int, predicates: int, states: int) -> RunFold
                 "model": model.name, "simulator": {}, "settings": settings.model_dump(mode="json"), "answers": None,
             }
         )  # fmt: skip
-        vlm = CountingVLM(StoredVLM(model, AnswerStore(run.path)))
-        learn_into(run, vocabulary, drawn, vlm, settings, lambda *_: None)
+        learn_into(run, LearningProblem(vocabulary, drawn, StoredVLM(model, AnswerStore(run.path)), settings))
         return run
 
 

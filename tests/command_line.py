@@ -7,6 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from pix2pred.cli.app import run
+from pix2pred.registry import REGISTRY, Registry
+
 
 @dataclass(frozen=True)
 class Ran:
@@ -20,4 +23,13 @@ class Ran:
         return parsed
 
 
-Cli = Callable[..., Ran]
+@dataclass
+class Cli:
+    """The command line in this process; ``registry`` is where it looks names up."""
+
+    read: Callable[[], tuple[str, str]]
+    registry: Registry = REGISTRY
+
+    def __call__(self, *args: object) -> Ran:
+        code = run([str(a) for a in args], self.registry)
+        return Ran(code, *self.read())

@@ -6,12 +6,13 @@ import json
 from pathlib import Path
 
 from cli.hostile_lamps import Fake, sees, write_lamps
-from pix2pred.cli.learn import resolve_settings
 from pix2pred.demos import project_digest, read_project
+from pix2pred.pipeline import LearningProblem
 from pix2pred.report import write_report
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.learn import learn_into
-from pix2pred.vlm import AnswerStore, CountingVLM, Request, StoredVLM
+from pix2pred.settings import of_project, resolve
+from pix2pred.vlm import AnswerStore, Request, StoredVLM
 
 BOMB = "</script><script>window.boom=1</script><img src=x onerror=window.boom=2>"
 """What must never run, wherever it comes from."""
@@ -36,7 +37,7 @@ def learn_lamps(
         robot = f"robby: {{type: robot, descriptor: {json.dumps(descriptor)}}}"
         (data / "domain.yaml").write_text(sheet.replace("robby: {type: robot}", robot))
     project = read_project(data)
-    settings = resolve_settings(project, None)
+    settings = resolve(of_project(project.learning))
     model = Fake(_says, _says, f"fake{BOMB}")
     with RunFolder(root / name).locked() as run:
         run.claim(
@@ -45,7 +46,7 @@ def learn_lamps(
                 "settings": settings.model_dump(mode="json"), "answers": None,
             }
         )  # fmt: skip
-        vlm = CountingVLM(StoredVLM(model, AnswerStore(run.path)))
-        learn_into(run, project.vocabulary, project.demos, vlm, settings, lambda *_: None)
+        stored = StoredVLM(model, AnswerStore(run.path))
+        learn_into(run, LearningProblem(project.vocabulary, project.demos, stored, settings))
         write_report(run)
     return run

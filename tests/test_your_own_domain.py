@@ -15,10 +15,11 @@ import pytest
 from extras import need
 from pix2pred.execution import Solver
 from pix2pred.learning import LearningSettings
-from pix2pred.pipeline import Settings, learn
+from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.registry import load_domain
+from pix2pred.settings import Settings
 from pix2pred.structs import Failure
 from pix2pred.structs.views import View
 from pix2pred.vlm.noise.oracle import NoisyOracle
@@ -54,7 +55,7 @@ def test_the_example_learns_and_solves(package: Path) -> None:
     vocabulary = domain.vocabulary("photographs")
     oracle = NoisyOracle([KnownWord("lit", ("lamp",), "lit", False)], is_lit)
     settings = Settings(learning=LearningSettings.model_validate(domain.settings("photographs")))
-    learned = learn(vocabulary, domain.demonstrations("photographs", 0), oracle, settings)
+    learned = learn(LearningProblem(vocabulary, domain.demonstrations("photographs", 0), oracle, settings))
     assert [p.name for p in learned.selection.selected] == ["lit0"]
     assert len(learned.samplers) == 1
     solver = Solver(learned.model, Planner(AStar()), Labeller(oracle, LabelSettings()), samplers=learned.samplers)

@@ -13,14 +13,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from pix2pred.cli.learn import resolve_settings
 from pix2pred.demos import read_project, read_tasks
 from pix2pred.execution import Solver
-from pix2pred.pipeline import learn
+from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import Labeller
 from pix2pred.recordings.archive import pack_folder
 from pix2pred.recordings.recording import ANSWERS, DATA, load_recording
 from pix2pred.registry import load_planner
+from pix2pred.settings import of_file, of_project, resolve
 from pix2pred.vlm import Answer, AnswerStore, Request, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import replayed
 
@@ -47,10 +47,10 @@ def main() -> None:
     arguments = parser.parse_args()
     recording = load_recording(arguments.name)
     project = read_project(arguments.data)
-    settings = resolve_settings(project, recording.settings)
+    settings = resolve(of_project(project.learning), *([of_file(recording.settings)] if recording.settings else []))
     store = AnswerStore(arguments.answers)
     model = Noting(store)
-    learned = learn(project.vocabulary, project.demos, model, settings)
+    learned = learn(LearningProblem(project.vocabulary, project.demos, model, settings))
     solver = Solver(learned.model, load_planner("portfolio"), Labeller(model, settings.labels))
     for stored in read_tasks(arguments.data, project.vocabulary):
         _, found = solver.plan(stored.task)

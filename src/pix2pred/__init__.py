@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pix2pred.api import Model, generate, learn, load_model, read_data
     from pix2pred.demos import Project, StoredTask, write_project
     from pix2pred.execution import PlannedScene
-    from pix2pred.pipeline import Settings
+    from pix2pred.settings import Settings
     from pix2pred.structs import Task
 
 __version__ = "0.1.0"
@@ -48,7 +48,7 @@ _HOMES = {
     "StoredTask": "pix2pred.demos",
     "write_project": "pix2pred.demos",
     "PlannedScene": "pix2pred.execution",
-    "Settings": "pix2pred.pipeline",
+    "Settings": "pix2pred.settings",
     "Task": "pix2pred.structs",
 }
 

@@ -15,16 +15,18 @@ from pydantic import ValidationError
 from pix2pred.demos import Project, StoredTask, read_project, read_task
 from pix2pred.execution import PlannedScene, Solver, plan_scene
 from pix2pred.learning.samplers.file import load_samplers
-from pix2pred.pipeline import Learned, Progress, Settings, silent
+from pix2pred.pipeline import Learned, LearningProblem
 from pix2pred.pipeline import learn as learn_world
 from pix2pred.planning.pddl.write import write_domain
 from pix2pred.predicates import Labeller
-from pix2pred.registry import check_family, load_domain, load_planner, load_stored, load_vlm
+from pix2pred.registry import REGISTRY, Registry, check_family
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.folder import RunFolder, RunFolderError
-from pix2pred.runs.learn import MODEL, SAMPLERS
+from pix2pred.runs.layout import CONFIG, MODEL, SAMPLERS
+from pix2pred.settings import Settings, of_project, resolve
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
 from pix2pred.structs.formats import world_model as files
+from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import VLM, AnswerStore
 
 
@@ -85,7 +87,7 @@ def generate(domain: str, family: str | None = None, seed: int = 0, demos: Seque
 
     Raises ``UnknownNameError`` for a domain or family that does not exist.
     """
-    made = load_domain(domain)
+    made = REGISTRY.domain(domain)
     chosen = family or made.families[0]
     check_family(made, chosen)
     drawn = made.demonstrations(chosen, seed)
@@ -110,11 +112,11 @@ def learn(
     those of the project. Raises what ``pipeline.learn`` raises, and ``RegistryError`` for a name nobody knows.
     """
     project = data if isinstance(data, Project) else read_data(data)
-    chosen = settings or Settings.model_validate({"learning": dict(project.learning)})
+    chosen = settings or resolve(of_project(project.learning))
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
-    learned = learn_world(project.vocabulary, project.demos, model, chosen, progress)
+    learned = learn_world(LearningProblem(project.vocabulary, project.demos, model, chosen, progress))
     labeller = Labeller(model, chosen.labels)
-    return Model(Solver(learned.model, load_planner(planner), labeller, samplers=learned.samplers), learned)
+    return Model(Solver(learned.model, REGISTRY.planner(planner), labeller, samplers=learned.samplers), learned)
 
 
 def load_model(run: Path | str, vlm: str | None = None, planner: str = "portfolio") -> Model:
@@ -127,7 +129,12 @@ def load_model(run: Path | str, vlm: str | None = None, planner: str = "portfoli
 
 
 def load_solver(
-    folder: RunFolder, planner: str, *, closed_loop: bool = False, vlm: str | None = None
+    folder: RunFolder,
+    planner: str,
+    *,
+    closed_loop: bool = False,
+    vlm: str | None = None,
+    registry: Registry = REGISTRY,
 ) -> tuple[Solver, dict[str, Any]]:
     """A solver with the model, labeller and answer store of a run, and the run's configuration.
 
@@ -143,20 +150,21 @@ def load_solver(
         settings = Settings.model_validate(config["settings"])
         answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
         spec = vlm or config["vlm"]
-        stored = load_stored(spec, config["simulator"].get("domain"), answers, flow=settings.flow)
+        stored = registry.stored(spec, config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
-        raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
+        raise RunFolderError(f"{folder.path / CONFIG}: is damaged ({type(error).__name__}: {error})") from error
     if stored.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
     labeller = Labeller(stored, settings.labels)
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
-    return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
+    return Solver(model, registry.planner(planner), labeller, closed_loop, samplers=samplers), config
 
 
 def _vlm(vlm: str | VLM, domain: str | None, answers: Path | None, settings: Settings) -> VLM:
     if not isinstance(vlm, str):
         return vlm
     if answers is None and not vlm.startswith("replay:"):
-        return load_vlm(vlm, domain, settings.flow)
-    return load_stored(vlm, domain, AnswerStore(answers or Path()), flow=settings.flow)  # a replay brings its own store
+        return REGISTRY.vlm(vlm, domain, settings.flow)
+    store = AnswerStore(answers or Path())  # a replay brings its own instead
+    return REGISTRY.stored(vlm, domain, store, flow=settings.flow)

@@ -15,7 +15,7 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.envs.registration import register
 
-from pix2pred.registry import check_family, domain_names, load_domain
+from pix2pred.registry import REGISTRY, check_family
 from pix2pred.structs import Action, Object, Pixels
 from pix2pred.structs.environment import Environment, SimulatedTask, StepStatus
 
@@ -26,7 +26,7 @@ MOST_SKILLS = 50
 
 def register_all() -> None:
     """Tell gymnasium of every domain, under names such as ``pix2pred/Kitchen-v0``."""
-    for name in domain_names():
+    for name in REGISTRY.domain_names():
         register(
             id=f"pix2pred/{name.title().replace('_', '')}-v0",
             entry_point="pix2pred.gym_envs:DomainEnv",
@@ -47,7 +47,7 @@ class DomainEnv(gymnasium.Env[dict[str, Any], dict[str, Any]]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012
 
     def __init__(self, domain: str, family: str | None = None, render_mode: str | None = None) -> None:
-        self._domain = load_domain(domain)
+        self._domain = REGISTRY.domain(domain)
         self._family = family or self._domain.families[0]
         check_family(self._domain, self._family)
         if render_mode not in (None, "rgb_array"):

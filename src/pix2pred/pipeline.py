@@ -1,58 +1,64 @@
 """The whole method on one page: from demonstrations to a world model, and from a task to an episode.
 
-propose -> lift -> (+ feature grammar) -> label -> correct -> select, learn operators, learn samplers    learn()
-abstract -> plan -> execute                                                            Solver (execution room)
+read -> propose (+ feature grammar) -> label -> correct -> select, learn operators -> samplers -> advice    here
+abstract -> plan -> execute                                                    ``Solver`` (the room of execution)
+
+The stages stand in this order. ``learn``, at the end, runs one after the other; ``runs`` calls them one by one and
+saves what each gave.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
-from pydantic import BaseModel, ConfigDict, Field
-
-from pix2pred.learning import LearningSettings, Selection, hill_climbing
+from pix2pred.learning import Advice, LearningSettings, Selection, advise, hill_climbing
 from pix2pred.learning.samplers.learn import learn_samplers
-from pix2pred.learning.samplers.settings import SamplerSettings
 from pix2pred.predicates import (
     Corrections,
-    GrammarSettings,
     Labeller,
     Labelling,
-    LabelSettings,
     Proposal,
-    ProposalSettings,
     feature_predicates,
     label_demos,
     lift,
     propose,
 )
+from pix2pred.settings import Settings
 from pix2pred.structs import Candidate, Demo, PictureError, Predicate, TruthTable, Vocabulary, WorldModel
 from pix2pred.structs.samplers import Sampler
-from pix2pred.vlm import VLM, FlowSettings
-
-
-class Settings(BaseModel):
-    """Everything a run can be told. Frozen; the resolved settings are saved with every run."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    proposal: ProposalSettings = Field(default_factory=ProposalSettings)
-    labels: LabelSettings = Field(default_factory=LabelSettings)
-    grammar: GrammarSettings = Field(default_factory=GrammarSettings)
-    learning: LearningSettings = Field(default_factory=LearningSettings)
-    samplers: SamplerSettings = Field(default_factory=SamplerSettings)
-    flow: FlowSettings = Field(default_factory=FlowSettings)
-
+from pix2pred.system.progress import Progress, Stage, silent
+from pix2pred.vlm import VLM
 
 NO_CORRECTIONS = Corrections()
 
-Progress = Callable[[str, int, int, str], None]
-"""Called with (stage, done, total, what is going on)."""
+
+@dataclass(frozen=True, slots=True)
+class LearningProblem:
+    """What one learning works on: declared names, demonstrations, the model to ask, settings, and who is told."""
+
+    vocabulary: Vocabulary
+    demos: Sequence[Demo]
+    vlm: VLM
+    settings: Settings
+    progress: Progress = silent
 
 
-def silent(stage: str, done: int, total: int, text: str) -> None:
-    """Shows nothing."""
+@dataclass(frozen=True, slots=True)
+class Pool:
+    """Candidate predicates and, when a model was asked, what it proposed and what was rejected."""
+
+    candidates: tuple[Candidate, ...]
+    proposals: tuple[Proposal, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """All that a model was asked for: its proposals, and its labels of their atoms in every state."""
+
+    proposals: tuple[Proposal, ...]
+    labelling: Labelling
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,129 +90,125 @@ class Learned:
         return self.selected.selection
 
 
-@dataclass(frozen=True, slots=True)
-class Pool:
-    """Candidate predicates and, when a model was asked, what it proposed and what was rejected."""
-
-    candidates: tuple[Candidate, ...]
-    proposals: tuple[Proposal, ...] = ()
-
-
-PoolMaker = Callable[[Vocabulary, Sequence[Demo], VLM, Settings, Progress], Pool]
+PoolMaker = Callable[[LearningProblem], Pool]
 """Where the candidates come from."""
 
-Chooser = Callable[[TruthTable, LearningSettings, Progress, Sequence[Predicate]], Selection]
-"""How predicates are chosen and operators learned from labels; the last are candidates that have to be taken."""
+
+class Chooser(Protocol):
+    """How predicates are chosen and operators learned from labels."""
+
+    def __call__(
+        self, table: TruthTable, settings: LearningSettings, progress: Progress, pinned: Sequence[Predicate] = ()
+    ) -> Selection:
+        """``pinned`` are candidates that have to be taken."""
+        ...
 
 
-def visual_pool(
-    vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
-) -> Pool:
+def visual_pool(problem: LearningProblem) -> Pool:
     """What the model proposes (method 2). Raises ``EmptyProposalError`` when none of it is usable."""
-    progress("propose", 0, len(demos), "")
+    settings = problem.settings
+    problem.progress(Stage.PROPOSE, 0, len(problem.demos), "")
     proposals = propose(
-        demos,
-        vlm,
-        settings.proposal,
-        jobs=settings.flow.concurrent,
-        progress=lambda done, total, name: progress("propose", done, total, name),
+        problem.demos, problem.vlm, settings.proposal, jobs=settings.flow.concurrent, progress=problem.progress
     )
-    return Pool(lift(proposals, taken=[p.name for p in vocabulary.initial]), proposals)
+    return Pool(lift(proposals, taken=[p.name for p in problem.vocabulary.initial]), proposals)
 
 
-def feature_pool(
-    vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
-) -> Pool:
+def feature_pool(problem: LearningProblem) -> Pool:
     """What the grammar makes of the objects' features (method 4); no model is asked."""
-    return Pool(feature_predicates(demos, vocabulary.types, settings.grammar))
+    return Pool(feature_predicates(problem.demos, problem.vocabulary.types, problem.settings.grammar))
 
 
-def whole_pool(
-    vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
-) -> Pool:
+def whole_pool(problem: LearningProblem) -> Pool:
     """Visual and feature predicates: the pool of the full method."""
-    visual = visual_pool(vocabulary, demos, vlm, settings, progress)
-    features = feature_pool(vocabulary, demos, vlm, settings, progress)
+    visual, features = visual_pool(problem), feature_pool(problem)
     return Pool((*visual.candidates, *features.candidates), visual.proposals)
 
 
-def climb(
-    table: TruthTable,
-    settings: LearningSettings,
-    progress: Progress = silent,
-    pinned: Sequence[Predicate] = (),
-) -> Selection:
-    """Hill climbing on J (method 6.3)."""
-    progress("select", 0, len(table.candidates()), "")
-    climbing = hill_climbing(table, settings, pinned=pinned)
-    return climbing.run(lambda done, total, name: progress("select", done, total, name))
+def label(problem: LearningProblem, pool: Pool) -> Labelling:
+    """The values of all initial and candidate atoms in all states (method 3-4)."""
+    settings = problem.settings
+    problem.progress(Stage.LABEL, 0, len(problem.demos), "")
+    return label_demos(
+        problem.demos,
+        problem.vocabulary.initial,
+        pool.candidates,
+        Labeller(problem.vlm, settings.labels),
+        jobs=settings.flow.concurrent,
+        progress=problem.progress,
+    )
 
 
-def learn(
-    vocabulary: Vocabulary,
-    demos: Sequence[Demo],
-    vlm: VLM,
-    settings: Settings,
-    progress: Progress = silent,
-    *,
-    corrections: Corrections = NO_CORRECTIONS,
-    pool: PoolMaker = whole_pool,
-    choose: Chooser = climb,
-) -> Learned:
-    """Learn a world model from demonstrations (method 2-7).
+def ask(problem: LearningProblem, pool: PoolMaker = whole_pool) -> Asked:
+    """Propose and label: the part of the method that asks the model (method 2-4).
 
-    ``pool`` and ``choose`` are the two places where the ablations of method 9 differ from the full method.
-
-    Raises ``EmptyProposalError`` when the model proposes nothing usable, ``UnusableAnswersError`` when it labels
-    nothing, ``VLMError`` when it cannot be asked, ``PictureError`` for a state without readable pictures, and
-    ``CorrectionsError`` when ``corrections`` do not fit what the model said.
+    Raises ``PictureError`` for a state without readable pictures, ``EmptyProposalError`` when the model proposes
+    nothing usable, ``UnusableAnswersError`` when it labels nothing, and ``VLMError`` when it cannot be asked.
     """
-    proposals, labelling = ask_everything(vocabulary, demos, vlm, settings, progress, pool)
-    selected = select(vocabulary, labelling.table, settings.learning, vlm.name, corrections, progress, choose)
-    samplers = learn_samplers(selected.model.operators, demos, selected.table.demos, settings.samplers.fitter())
-    return Learned(proposals, labelling, selected, samplers)
-
-
-def ask_everything(
-    vocabulary: Vocabulary,
-    demos: Sequence[Demo],
-    vlm: VLM,
-    settings: Settings,
-    progress: Progress = silent,
-    pool: PoolMaker = whole_pool,
-) -> tuple[tuple[Proposal, ...], Labelling]:
-    """The part of the method that asks the model: proposals and the truth table (method 2-4). Raises as ``learn``."""
-    for demo in demos:
+    for demo in problem.demos:
         for t, state in enumerate(demo.states):
             if not state.pictures:
                 raise PictureError(f"demonstration {demo.name}: state {t} has no picture to ask about")
-    made = pool(vocabulary, demos, vlm, settings, progress)
-    progress("label", 0, len(demos), "")
-    labelling = label_demos(
-        demos,
-        vocabulary.initial,
-        made.candidates,
-        Labeller(vlm, settings.labels),
-        jobs=settings.flow.concurrent,
-        progress=lambda done, total, name: progress("label", done, total, name),
-    )
-    return made.proposals, labelling
+    made = pool(problem)
+    return Asked(made.proposals, label(problem, made))
+
+
+def climb(
+    table: TruthTable, settings: LearningSettings, progress: Progress = silent, pinned: Sequence[Predicate] = ()
+) -> Selection:
+    """Hill climbing on J (method 6.3)."""
+    progress(Stage.SELECT, 0, len(table.candidates()), "")
+    return hill_climbing(table, settings, pinned=pinned).run(progress)
 
 
 def select(
     vocabulary: Vocabulary,
-    table: TruthTable,
+    said: TruthTable,
     settings: LearningSettings,
     labels_from: str,
     corrections: Corrections = NO_CORRECTIONS,
     progress: Progress = silent,
     choose: Chooser = climb,
 ) -> Selected:
-    """Select predicates and learn operators from what a model said, corrected (method 4-6). Asks no model.
+    """Correct what the model ``labels_from`` ``said``, select predicates and learn operators (method 5-6).
 
-    Raises ``CorrectionsError`` when the corrections do not fit the table.
+    Asks no model. Raises ``CorrectionsError`` when the corrections do not fit the table.
     """
-    corrected = corrections.apply(table)
+    corrected = corrections.apply(said)
     selection = choose(corrected.table, settings, progress, corrected.pinned)
     model = WorldModel(vocabulary, selection.selected, selection.operators, labels_from)
     return Selected(model, corrected.table, selection)
+
+
+def fit_samplers(problem: LearningProblem, selected: Selected) -> Mapping[str, Sampler]:
+    """Samplers of continuous parameters, by operator (method 7)."""
+    fitter = problem.settings.samplers.fitter()
+    return learn_samplers(selected.model.operators, problem.demos, selected.table.demos, fitter)
+
+
+def advice(selected: Selected, settings: LearningSettings, progress: Progress = silent) -> Advice:
+    """Which labels a person should look at first."""
+    progress(Stage.DOUBT, 0, 1, "")
+    found = advise(selected.table, settings, selected.selection.pinned, selected.selection.selected)
+    progress(Stage.DOUBT, 1, 1, "")
+    return found
+
+
+def learn(
+    problem: LearningProblem,
+    corrections: Corrections = NO_CORRECTIONS,
+    pool: PoolMaker = whole_pool,
+    choose: Chooser = climb,
+) -> Learned:
+    """Learn a world model from demonstrations (method 2-7).
+
+    ``pool`` and ``choose`` are the two places where the ablations of
+    method 9 differ from the full method. Raises what ``ask`` and ``select`` raise.
+    """
+    asked = ask(problem, pool)
+    table = asked.labelling.table
+    selected = select(
+        problem.vocabulary, table, problem.settings.learning, problem.vlm.name, corrections, problem.progress,
+        choose,
+    )  # fmt: skip
+    return Learned(asked.proposals, asked.labelling, selected, fit_samplers(problem, selected))

@@ -1,13 +1,12 @@
 """The one place where a name becomes an object: domains, models behind ``--vlm``, planners, approaches.
 
-Other packages add domains through the entry point group ``pix2pred.domains``; a value is a class without required
-arguments that implements ``structs.environment.Domain``. ``pix2pred.approaches`` does the same for objects that
-implement ``approach.Approach``.
+Other packages add to each table through an entry point of the group named beside it; ``docs/extending.md`` shows one of
+each. A command takes one ``Registry`` and asks it for everything, so that tests and other programs pass their own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -31,7 +30,7 @@ from pix2pred.planning import (
 )
 from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
-from pix2pred.structs.environment import Domain, Environment
+from pix2pred.structs.environment import Domain, Environment, KnowsTruth
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
@@ -52,11 +51,7 @@ _DOMAINS = {
     "kitchen": "pix2pred.domains.kitchen:KitchenDomain",
     "coffee": "pix2pred.domains.coffee:CoffeeDomain",
 }
-_TRUTHS = {
-    "burger": "pix2pred.domains.burger.truth:value_now",
-    "kitchen": "pix2pred.domains.kitchen.truth:value_now",
-    "coffee": "pix2pred.domains.coffee.truth:value_now",
-}
+"""Classes without required arguments that implement ``Domain``; group ``pix2pred.domains``."""
 
 _APPROACHES = {
     "ours": "pix2pred.approaches.ours:OURS",
@@ -69,12 +64,17 @@ _APPROACHES = {
     "vila-pure": "pix2pred.approaches.vila_pure:VILA_PURE",
     "vila-fewshot": "pix2pred.approaches.vila_fewshot:VILA_FEWSHOT",
 }
-"""The approaches of method 9."""
+"""The approaches of method 9: objects that implement ``Approach``; group ``pix2pred.approaches``."""
+
+_MODELS: dict[str, str] = {}
+"""Functions of what follows ``KIND:`` in ``--vlm KIND:...`` that give a ``VLM``; group ``pix2pred.models``."""
 
 HEURISTICS: dict[str, Callable[[Strips], Heuristic]] = {
     "lmcut": LMCut,
     "ff": FF,
 }
+"""Classes made from a ground task; group ``pix2pred.heuristics``."""
+
 SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
     "astar": AStar,
     "gbfs": GreedyBestFirst,
@@ -84,29 +84,153 @@ SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
 PORTFOLIOS: dict[str, Callable[[], Search]] = {
     "portfolio": lambda: Portfolio((AStar(max_nodes=5_000), GreedyBestFirst())),
 }
-"""``portfolio``, the default, plans optimally where that is cheap and greedily otherwise."""
+"""``portfolio``, the default, plans optimally where that is cheap and greedily otherwise.
+
+Searches of other packages, callables from a ground task to a ``SearchResult``, come from the group
+``pix2pred.searches``.
+"""
 
 
 class RegistryError(Pix2predError, ValueError):
     """A name that cannot be turned into what is asked for; the message says what would work."""
 
 
-def _domains() -> dict[str, str]:
-    return {e.name: e.value for e in entry_points(group="pix2pred.domains")} | _DOMAINS
+@dataclass(frozen=True, slots=True)
+class Spending:
+    """What a run may spend on a hosted model: requests sent, and US dollars."""
+
+    max_requests: int | None = None
+    max_cost: float | None = None
 
 
-def domain_names() -> tuple[str, ...]:
-    """All domains: the bundled ones and those of other packages."""
-    return tuple(sorted(_domains()))
+NO_LIMITS = Spending()
+_DEFAULT_FLOW = FlowSettings()
 
 
-def load_domain(name: str) -> Domain:
-    """The domain called ``name``. Raises ``UnknownNameError``."""
-    found = _domains()
-    if name not in found:
-        raise UnknownNameError("domain", name, found)
-    made: Domain = _load(found[name])()
-    return made
+class Registry:
+    """Names to objects. Survives pickling, so that workers can look names up themselves."""
+
+    def domain_names(self) -> tuple[str, ...]:
+        """All domains: the bundled ones and those of other packages."""
+        return tuple(sorted(_named("domains", _DOMAINS)))
+
+    def domain(self, name: str) -> Domain:
+        """The domain called ``name``. Raises ``UnknownNameError``."""
+        made: Domain = _find("domain", name, _named("domains", _DOMAINS))()
+        return made
+
+    def approach(self, name: str) -> Approach:
+        """The approach called ``name``. Raises ``UnknownNameError``."""
+        made: Approach = _find("approach", name, _named("approaches", _APPROACHES))
+        return made
+
+    def planner(self, name: str, *, distinct: bool = True, time_limit: float = TIME_LIMIT) -> TaskPlanner:
+        """The planner called ``name``: a search of ours or an engine of others.
+
+        ``distinct`` parameters stand for distinct objects; ``time_limit`` in seconds binds external engines alone.
+        Raises ``UnknownNameError``, or ``ExternalPlannerError`` for an engine that is not installed.
+        """
+        if name in ENGINES:
+            return ExternalPlanner(name, distinct, time_limit)
+        if name not in self.planner_names():
+            raise UnknownNameError("planner", name, (*self.planner_names(), *ENGINES))
+        if name in PORTFOLIOS:
+            return Planner(PORTFOLIOS[name](), distinct=distinct)
+        if name in (others := _named("searches", {})):
+            return Planner(_load(others[name]), distinct=distinct)
+        search, _, heuristic = name.partition("-")
+        made = HEURISTICS[heuristic] if heuristic in HEURISTICS else _load(_named("heuristics", {})[heuristic])
+        return Planner(SEARCHES[search](made), distinct=distinct)
+
+    def planner_names(self) -> tuple[str, ...]:
+        """The names of all planners that are no engines of others."""
+        heuristics = (*HEURISTICS, *_named("heuristics", {}))
+        return (*(f"{search}-{h}" for search in SEARCHES for h in heuristics), *PORTFOLIOS, *_named("searches", {}))
+
+    def vlm(
+        self, spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, limits: Spending = NO_LIMITS
+    ) -> VLM:
+        """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
+        kind, _, rest = spec.partition(":")
+        others = _named("models", _MODELS)
+        if kind in others:
+            made: VLM = _load(others[kind])(rest)
+            return made
+        if spec == "offline":
+            return self._offline(domain)
+        if kind == "mailbox" and rest:
+            from pix2pred.vlm.mailbox import MailboxVLM
+
+            return MailboxVLM(Path(rest), ShownPictures())
+        from pix2pred.vlm.hosted.client import HostedVLM
+
+        hosted = HostedVLM(_hosted(spec), ShownPictures(), flow.timeout)
+        flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
+        hosted.hold = flowing.hold
+        return BreakerVLM(flowing, flow.unusable_in_a_row)
+
+    def stored(
+        self,
+        spec: str,
+        domain: str | None,
+        store: AnswerStore,
+        mode: StoreMode = StoreMode.RESUME,
+        flow: FlowSettings = _DEFAULT_FLOW,
+        limits: Spending = NO_LIMITS,
+    ) -> StoredVLM:
+        """The model that ``--vlm`` names, behind an answer store. ``replay:DIR`` brings its own store."""
+        kind, _, rest = spec.partition(":")
+        if kind == "replay" and rest:
+            folder = AnswerStore(Path(rest))
+            return StoredVLM(replayed(folder), folder, StoreMode.REPLAY)
+        if mode == StoreMode.REPLAY and kind not in ("offline", "mailbox", *_named("models", _MODELS)):
+            return StoredVLM(AbsentVLM(_hosted(spec).name), store, mode)  # needs neither key nor network
+        return StoredVLM(self.vlm(spec, domain, flow, limits), store, mode)
+
+    def estimator(self, spec: str, domain: str | None, store: AnswerStore) -> EstimatingVLM:
+        """What counts the questions that ``spec`` would be asked, for which neither key nor network is needed."""
+        kind, _, rest = spec.partition(":")
+        stored = self.stored(spec, domain, store, StoreMode.REPLAY)
+        if kind in ("offline", "replay", "mailbox", *_named("models", _MODELS)):
+            return EstimatingVLM(stored, "", "")
+        return EstimatingVLM(stored, kind, rest.partition("@http")[0])
+
+    def truth(self, domain: Domain, environment: Environment) -> TruthOf | None:
+        """What ``domain`` knows about words in the environment's present state, to name failures with."""
+        if not isinstance(domain, KnowsTruth):
+            return None
+        uses = _word_uses(domain.reader) if domain.reader is not None else None
+
+        def truth(atom: Atom) -> bool | None:
+            phrase = atom.predicate.source.phrase if isinstance(atom.predicate.source, FromVLM) else ""
+            names = [o.name for o in atom.objects]
+            if uses is None:
+                return domain.concept_holds(environment, phrase, names)
+            word = uses.get((phrase, tuple(o.type.name for o in atom.objects)))
+            if word is None or word.concept is None:
+                return None
+            holds = domain.concept_holds(environment, word.concept, names)
+            return None if holds is None else holds != word.negated
+
+        return truth
+
+    def _offline(self, domain: str | None) -> VLM:
+        reader = self.domain(domain).reader if domain else None
+        if reader is None:
+            raise RegistryError(
+                "the offline reader knows only the bundled domains; name a model with --vlm for your data"
+            )
+        from pix2pred.vlm.offline.model import ReaderModel
+        from pix2pred.vlm.offline.reader import OfflineReader
+
+        return OfflineReader(str(domain), ReaderModel.load(reader))
+
+
+REGISTRY = Registry()
+"""What is installed; whoever is given no other registry uses this one."""
+
+load_domain, load_approach, load_planner = REGISTRY.domain, REGISTRY.approach, REGISTRY.planner
+load_vlm, load_stored, planner_names = REGISTRY.vlm, REGISTRY.stored, REGISTRY.planner_names
 
 
 def check_family(domain: Domain, family: str) -> None:
@@ -115,51 +239,20 @@ def check_family(domain: Domain, family: str) -> None:
         raise UnknownNameError("family", family, domain.families)
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What a run may spend on a hosted model."""
-
-    max_requests: int | None = None
-    max_cost: float | None = None
+def _named(group: str, ours: dict[str, str]) -> dict[str, str]:
+    """The names of a table with those that other packages add to it; ours win."""
+    return {e.name: e.value for e in entry_points(group=f"pix2pred.{group}")} | ours
 
 
-NO_LIMITS = Limits()
-_DEFAULT_FLOW = FlowSettings()
+def _find(kind: str, name: str, table: dict[str, str]) -> Any:
+    if name not in table:
+        raise UnknownNameError(kind, name, table)
+    return _load(table[name])
 
 
-def load_vlm(spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, limits: Limits = NO_LIMITS) -> VLM:
-    """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
-    kind, _, rest = spec.partition(":")
-    if spec == "offline":
-        return _offline(domain)
-    if kind == "mailbox" and rest:
-        from pix2pred.vlm.mailbox import MailboxVLM
-
-        return MailboxVLM(Path(rest), ShownPictures())
-    from pix2pred.vlm.hosted.client import HostedVLM
-
-    hosted = HostedVLM(_hosted(spec), ShownPictures(), flow.timeout)
-    flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
-    hosted.hold = flowing.hold
-    return BreakerVLM(flowing, flow.unusable_in_a_row)
-
-
-def load_stored(
-    spec: str,
-    domain: str | None,
-    store: AnswerStore,
-    mode: StoreMode = StoreMode.RESUME,
-    flow: FlowSettings = _DEFAULT_FLOW,
-    limits: Limits = NO_LIMITS,
-) -> StoredVLM:
-    """The model that ``--vlm`` names, behind an answer store. ``replay:DIR`` brings its own store."""
-    kind, _, rest = spec.partition(":")
-    if kind == "replay" and rest:
-        folder = AnswerStore(Path(rest))
-        return StoredVLM(replayed(folder), folder, StoreMode.REPLAY)
-    if mode == StoreMode.REPLAY and kind not in ("offline", "mailbox"):
-        return StoredVLM(AbsentVLM(_hosted(spec).name), store, mode)  # needs neither key nor network
-    return StoredVLM(load_vlm(spec, domain, flow, limits), store, mode)
+def _load(target: str) -> Any:
+    module, _, attribute = target.partition(":")
+    return getattr(import_module(module), attribute)
 
 
 def _hosted(spec: str) -> HostedModel:
@@ -169,95 +262,8 @@ def _hosted(spec: str) -> HostedModel:
         raise RegistryError(str(error)) from error
 
 
-def load_estimator(spec: str, domain: str | None, store: AnswerStore) -> EstimatingVLM:
-    """What counts the questions that ``spec`` would be asked, for which neither key nor network is needed."""
-    kind, _, rest = spec.partition(":")
-    if kind in ("offline", "replay", "mailbox"):
-        return EstimatingVLM(load_stored(spec, domain, store, StoreMode.REPLAY), "", "")
-    return EstimatingVLM(load_stored(spec, domain, store, StoreMode.REPLAY), kind, rest.partition("@http")[0])
-
-
-def _offline(domain: str | None) -> VLM:
-    reader = load_domain(domain).reader if domain else None
-    if reader is None:
-        raise RegistryError("the offline reader knows only the bundled domains; name a model with --vlm for your data")
-    from pix2pred.vlm.offline.model import ReaderModel
-    from pix2pred.vlm.offline.reader import OfflineReader
-
-    return OfflineReader(str(domain), ReaderModel.load(reader))
-
-
-def load_planner(name: str, *, distinct: bool = True, time_limit: float = TIME_LIMIT) -> TaskPlanner:
-    """The planner called ``name``: a search of ours or an engine of others.
-
-    ``distinct`` parameters stand for distinct objects; ``time_limit`` in seconds binds external engines alone. Raises
-    ``UnknownNameError``, or ``ExternalPlannerError`` for an engine that is not installed.
-    """
-    if name in ENGINES:
-        return ExternalPlanner(name, distinct, time_limit)
-    if name in PORTFOLIOS:
-        return Planner(PORTFOLIOS[name](), distinct=distinct)
-    search, _, heuristic = name.partition("-")
-    if search not in SEARCHES or heuristic not in HEURISTICS:
-        raise UnknownNameError("planner", name, (*planner_names(), *ENGINES))
-    return Planner(SEARCHES[search](HEURISTICS[heuristic]), distinct=distinct)
-
-
-def planner_names() -> tuple[str, ...]:
-    """The names of all planners of our own, for ``load_planner``."""
-    return (*(f"{search}-{heuristic}" for search in SEARCHES for heuristic in HEURISTICS), *PORTFOLIOS)
-
-
-def word_truth(domain: Domain, environment: Environment) -> TruthOf | None:
-    """What the simulator knows about the reader's words in the environment's present state, to name failures with."""
-    if domain.name not in _TRUTHS or domain.reader is None:
-        return None
-    uses = _word_uses(domain.reader)
-    value: Callable[[Environment, str, Sequence[str]], bool] = _load(_TRUTHS[domain.name])
-
-    def truth(atom: Atom) -> bool | None:
-        source = atom.predicate.source
-        phrase = source.phrase if isinstance(source, FromVLM) else ""
-        word = uses.get((phrase, tuple(o.type.name for o in atom.objects)))
-        if word is None or word.concept is None:
-            return None
-        return value(environment, word.concept, [o.name for o in atom.objects]) != word.negated
-
-    return truth
-
-
 @cache
 def _word_uses(reader: Path) -> dict[tuple[str, tuple[str, ...]], WordDoc]:
     from pix2pred.vlm.offline.model import load_words
 
     return {(word.word, types): word for word, types in load_words(reader).uses()}
-
-
-def load_approach(name: str) -> Approach:
-    """The approach called ``name``. Raises ``UnknownNameError``."""
-    found = {e.name: e.value for e in entry_points(group="pix2pred.approaches")} | _APPROACHES
-    if name not in found:
-        raise UnknownNameError("approach", name, found)
-    made: Approach = _load(found[name])
-    return made
-
-
-class Names:
-    """Names to objects, for workers that look them up themselves; see ``benchmark.cells.Catalogue``."""
-
-    def domain(self, name: str) -> Domain:
-        return load_domain(name)
-
-    def vlm(self, spec: str, domain: str | None) -> VLM:
-        return load_vlm(spec, domain)
-
-    def approach(self, name: str) -> Approach:
-        return load_approach(name)
-
-    def truth(self, domain: Domain, environment: Environment) -> TruthOf | None:
-        return word_truth(domain, environment)
-
-
-def _load(target: str) -> Any:
-    module, _, attribute = target.partition(":")
-    return getattr(import_module(module), attribute)

@@ -13,8 +13,9 @@ from pix2pred.approaches.no_visual import NO_VISUAL
 from pix2pred.approaches.ours import OURS
 from pix2pred.approaches.vlm_subselect import VLM_SUBSELECT, climb_from_visual
 from pix2pred.learning import LearningSettings, learn_operators
-from pix2pred.pipeline import Settings
+from pix2pred.pipeline import LearningProblem
 from pix2pred.registry import load_approach
+from pix2pred.settings import Settings
 from pix2pred.structs import FromVLM, Vocabulary
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import Request, VLMError
@@ -58,7 +59,7 @@ def test_without_visual_predicates_no_model_is_asked() -> None:
 
     vocabulary = Vocabulary("v", TYPES, (), ())
     for approach in (NO_VISUAL, NO_INVENT):
-        pool = approach.pool(vocabulary, (demo(),), ScriptedVLM(nobody), Settings(), lambda *a: None)
+        pool = approach.pool(LearningProblem(vocabulary, (demo(),), ScriptedVLM(nobody), Settings()))
         assert not any(isinstance(c.predicate.source, FromVLM) for c in pool.candidates)
 
 
@@ -67,7 +68,7 @@ def test_smaller_pools_are_parts_of_larger_ones() -> None:
     names = []
     for size in range(5):
         approach = NO_SUBSELECT.limited(size, seed=3)
-        pool = approach.pool(_vocabulary(), (demo(),), vlm, Settings(), lambda *a: None)
+        pool = approach.pool(LearningProblem(_vocabulary(), (demo(),), vlm, Settings()))
         names.append({c.predicate.name for c in pool.candidates})
     assert [len(n) for n in names] == [0, 1, 2, 3, 4]
     assert all(a < b for a, b in pairwise(names))

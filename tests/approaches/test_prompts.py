@@ -14,8 +14,9 @@ import pytest
 from pix2pred.approaches.approach import Training
 from pix2pred.approaches.vila import ViLa
 from pix2pred.approaches.vlm_feature_predicates import code_request
-from pix2pred.pipeline import Settings
+from pix2pred.pipeline import LearningProblem
 from pix2pred.registry import load_planner
+from pix2pred.settings import Settings
 from pix2pred.structs import Action, Object, Skill, State, Task, Type, Vocabulary
 from pix2pred.vlm import Request
 from predicates import scripted
@@ -54,7 +55,8 @@ def test_prompt_file(name: str) -> None:
 @pytest.mark.parametrize("few_shot", [False, True])
 def test_filled_plan_prompts(few_shot: bool) -> None:
     demos = (demo(actions=1), demo(actions=1, cameras=("left", "right")), demo(name="not shown"))
-    training = Training(VOCABULARY, demos, ScriptedVLM([]), Settings(), load_planner("portfolio"), shown_demos=2)
+    problem = LearningProblem(VOCABULARY, demos, ScriptedVLM([]), Settings())
+    training = Training(problem, load_planner("portfolio"), shown_demos=2)
     task = Task("t", (*scripted.OBJECTS, Object("c2", CUP)), scripted.state(9, cameras=("a", "b")), (HOLDING(R, P1),))
     agent = ViLa("vila", shows_demos=few_shot).train(training)
     check("filled_vila_fewshot" if few_shot else "filled_vila_pure", shown(agent.request(task)))

@@ -11,19 +11,20 @@ import pytest
 
 from approaches import recorded
 from pix2pred.approaches.approach import Training
-from pix2pred.approaches.sandbox import Limits
+from pix2pred.approaches.sandbox import SandboxLimits
 from pix2pred.approaches.vila_fewshot import VILA_FEWSHOT
 from pix2pred.approaches.vila_pure import VILA_PURE
 from pix2pred.approaches.vlm_feature_predicates import CodeAgent, VLMFeaturePredicates
 from pix2pred.domains.burger import BurgerDomain
-from pix2pred.pipeline import Settings
+from pix2pred.pipeline import LearningProblem
 from pix2pred.registry import load_planner
+from pix2pred.settings import Settings
 from pix2pred.structs import Demo, Episode, Failure
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.vlm import VLM, ReplayMissError, Request
 
 FAMILY = "more-stacks"
-CODE = replace(VLMFeaturePredicates(), limits=Limits(steps=100_000))
+CODE = replace(VLMFeaturePredicates(), limits=SandboxLimits(steps=100_000))
 
 
 @cache
@@ -39,7 +40,7 @@ def tasks(items: int) -> tuple[SimulatedTask, ...]:
 def training(vlm: VLM, shown: int | None = None) -> Training:
     vocabulary = BurgerDomain().vocabulary(FAMILY)
     settings = Settings.model_validate({"learning": {"max_plans": 5, "node_budget": 2_000}})
-    return Training(vocabulary, demos(), vlm, settings, load_planner("portfolio"), shown)
+    return Training(LearningProblem(vocabulary, demos(), vlm, settings), load_planner("portfolio"), shown)
 
 
 def plan_of(quality: str) -> Callable[[Request], str]:
@@ -134,5 +135,5 @@ def test_code_sees_features_alone(tmp_path: Path) -> None:
     agent = code_agent("good", tmp_path)
     task = tasks(1)[0].task
     blind = replace(task.initial, pictures=(), given=frozenset())
-    (seen,) = agent.pool.values([blind], task.objects, Limits())
+    (seen,) = agent.pool.values([blind], task.objects, SandboxLimits())
     assert {str(a) for a in seen.given} == {"HandFree0(robot)"}

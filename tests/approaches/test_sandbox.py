@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from approaches.hostile import LANGUAGE, RIGHTS, classifier
-from pix2pred.approaches.sandbox import CodeError, Limits, run_classifier
+from pix2pred.approaches.sandbox import CodeError, SandboxLimits, run_classifier
 from pix2pred.approaches.sandbox.process import CHILD
 from pix2pred.structs import Object, Type
 
@@ -22,10 +22,10 @@ PATTY = Type("patty", ("row", "z"), ITEM)
 P1, P2 = Object("p1", PATTY, "patty1"), Object("p2", PATTY, "patty2")
 SCENES = [{P1: (1.0, 0.0), P2: (2.0, 1.0)}, {P1: (3.0, 1.0), P2: (2.0, 0.0)}]
 QUERIES = [(0, (P1,)), (0, (P2,)), (1, (P1,)), (1, (P2,))]
-TIGHT = Limits(steps=200_000, megabytes=256, cpu_seconds=3, wall_seconds=60)
+TIGHT = SandboxLimits(steps=200_000, megabytes=256, cpu_seconds=3, wall_seconds=60)
 
 
-def ask(source: str, limits: Limits = TIGHT) -> tuple[bool, ...]:
+def ask(source: str, limits: SandboxLimits = TIGHT) -> tuple[bool, ...]:
     return run_classifier(source, "f", ["item", "patty"], SCENES, QUERIES, limits)
 
 
@@ -119,7 +119,7 @@ def test_a_program_that_dies_is_an_error_and_not_a_value(monkeypatch: pytest.Mon
         fake.write_text(script)
         monkeypatch.setattr("pix2pred.approaches.sandbox.process.CHILD", fake)
         with pytest.raises(CodeError, match=message):
-            ask("f = 1", Limits(wall_seconds=3 if "sleep" in script else 60))
+            ask("f = 1", SandboxLimits(wall_seconds=3 if "sleep" in script else 60))
 
 
 def test_the_process_starts_with_an_empty_environment_and_no_packages(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.demonstrator import demonstrate
 from pix2pred.domains.burger.families import load_families
 from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
-from pix2pred.registry import Names
+from pix2pred.registry import Registry
 from pix2pred.structs import Demo
 from pix2pred.structs.environment import Domain, SimulatedTask
 from pix2pred.structs.formats.names import UnknownNameError
@@ -64,13 +64,13 @@ class HashVLM:
         return Answer(label_answer(request.text, lines))
 
 
-class SmallNames(Names):
+class SmallNames(Registry):
     def domain(self, name: str) -> Domain:
         if name != "burger":
             raise UnknownNameError("domain", name, ["burger"])
         return SmallBurger()
 
-    def vlm(self, spec: str, domain: str | None) -> VLM:
+    def vlm(self, spec: str, domain: str | None, *_: object, **__: object) -> VLM:
         return HashVLM("offline:hash" if spec == "offline" else spec)
 
 
@@ -94,11 +94,11 @@ def small_suite(**changes: Any) -> Suite:
     )
 
 
-def run_small(folder: Path, *, workers: Workers = ONE, **changes: Any) -> Run:
+def run_small(folder: Path, *, workers: Workers = ONE, names: Registry | None = None, **changes: Any) -> Run:
     answers, mode = changes.pop("answers", None), changes.pop("mode", StoreMode.RESUME)
     vlm = changes.pop("vlm", "offline")
     suite = small_suite(**changes)
-    return run_suite(folder, suite, SmallNames(), vlm=vlm, workers=workers, answers=answers, mode=mode)
+    return run_suite(folder, suite, names or SmallNames(), vlm=vlm, workers=workers, answers=answers, mode=mode)
 
 
 if __name__ == "__main__":

@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 
 from extras import need
-from pix2pred.benchmark import Outcome, Row, Run, Suite, SuiteError
-from pix2pred.benchmark.claims import Verdict, judge, judge_interim, load_claims
+from pix2pred.benchmark import Row, Run, Suite, SuiteError, TryOutcome
+from pix2pred.benchmark.claims import ClaimVerdict, judge, judge_interim, load_claims
 from pix2pred.benchmark.report import END, begin, write_into, write_report
 from pix2pred.benchmark.suite import load_suite, suite_names
 from pix2pred.benchmark.tables import comparison, section
 
-Counts = Mapping[tuple[str, str], int | Outcome]
+Counts = Mapping[tuple[str, str], int | TryOutcome]
 PAPER = load_suite("paper")
 
 
@@ -23,62 +23,62 @@ def made_up(counts: Counts, learned: Mapping[str, dict[str, Any]] | None = None,
     """A run of one seed in which the first ``n`` of ten tasks are solved, by (approach, family)."""
     rows = []
     for (approach, family), n in counts.items():
-        if isinstance(n, Outcome):
+        if isinstance(n, TryOutcome):
             rows.append(Row(approach, family, None, 0, None, n))
             continue
         for i in range(10):
             solved = i < n
-            outcome = Outcome.SOLVED if solved else Outcome.FAILED
+            outcome = TryOutcome.SOLVED if solved else TryOutcome.FAILED
             rows.append(Row(approach, family, None, 0, f"t{i}", outcome, cause="" if solved else "wrong label"))
     return Run(folder, PAPER.model_copy(update={"seeds": (0,)}), "offline", tuple(rows), dict(learned or {}))
 
 
-def verdict(claim: str, run: Run) -> Verdict:
+def verdict(claim: str, run: Run) -> ClaimVerdict:
     return judge(next(c for c in load_claims().claims if c.id == claim), run).verdict
 
 
 @pytest.mark.parametrize(
     ("claim", "counts", "expected"),
     [
-        ("ours-above-no-invent", {("ours", "combo"): 5, ("no-invent", "combo"): 4}, Verdict.HOLDS),
-        ("ours-above-no-invent", {("ours", "combo"): 5, ("no-invent", "combo"): 5}, Verdict.FAILS),
-        ("ours-above-no-invent", {("ours", "combo"): 5}, Verdict.NOT_RUN),
-        ("ours-above-no-visual", {("ours", "kitchen"): 1, ("no-visual", "kitchen"): 9}, Verdict.NOT_RUN),
-        ("ours-above-vila-pure", {("ours", "combo"): 5, ("vila-pure", "combo"): Outcome.NEEDS_MODEL},
-         Verdict.NEEDS_MODEL),
-        ("no-subselect-fails", {("no-subselect", "combo"): 0}, Verdict.HOLDS),
-        ("no-subselect-fails", {("no-subselect", "combo"): 1}, Verdict.FAILS),
-        ("vila-fewshot-fails-when-holding", {("vila-fewshot", "combo"): 5}, Verdict.HOLDS),
-        ("vila-fewshot-fails-when-holding", {("vila-fewshot", "combo"): 6}, Verdict.FAILS),
+        ("ours-above-no-invent", {("ours", "combo"): 5, ("no-invent", "combo"): 4}, ClaimVerdict.HOLDS),
+        ("ours-above-no-invent", {("ours", "combo"): 5, ("no-invent", "combo"): 5}, ClaimVerdict.FAILS),
+        ("ours-above-no-invent", {("ours", "combo"): 5}, ClaimVerdict.NOT_RUN),
+        ("ours-above-no-visual", {("ours", "kitchen"): 1, ("no-visual", "kitchen"): 9}, ClaimVerdict.NOT_RUN),
+        ("ours-above-vila-pure", {("ours", "combo"): 5, ("vila-pure", "combo"): TryOutcome.NEEDS_MODEL},
+         ClaimVerdict.NEEDS_MODEL),
+        ("no-subselect-fails", {("no-subselect", "combo"): 0}, ClaimVerdict.HOLDS),
+        ("no-subselect-fails", {("no-subselect", "combo"): 1}, ClaimVerdict.FAILS),
+        ("vila-fewshot-fails-when-holding", {("vila-fewshot", "combo"): 5}, ClaimVerdict.HOLDS),
+        ("vila-fewshot-fails-when-holding", {("vila-fewshot", "combo"): 6}, ClaimVerdict.FAILS),
         ("vila-fewshot-comparable-in-kitchen", {("ours", "kitchen"): 9, ("vila-fewshot", "kitchen"): 10},
-         Verdict.HOLDS),
-        ("failures-are-wrong-labels", {("ours", "combo"): 8}, Verdict.HOLDS),
-        ("failures-are-wrong-labels", {("ours", "combo"): 10}, Verdict.NOT_RUN),
+         ClaimVerdict.HOLDS),
+        ("failures-are-wrong-labels", {("ours", "combo"): 8}, ClaimVerdict.HOLDS),
+        ("failures-are-wrong-labels", {("ours", "combo"): 10}, ClaimVerdict.NOT_RUN),
     ],
 )  # fmt: skip
-def test_verdicts(claim: str, counts: Counts, expected: Verdict) -> None:
+def test_verdicts(claim: str, counts: Counts, expected: ClaimVerdict) -> None:
     assert verdict(claim, made_up(counts)) == expected
 
 
 def test_one_family_refutes_a_claim_about_all() -> None:
     counts = {("ours", "combo"): 5, ("no-invent", "combo"): 0, ("ours", "bigger"): 5, ("no-invent", "bigger"): 5}
-    assert verdict("ours-above-no-invent", made_up(counts)) == Verdict.FAILS
+    assert verdict("ours-above-no-invent", made_up(counts)) == ClaimVerdict.FAILS
 
 
 def test_sets_and_pools_are_judged_by_what_was_learned() -> None:
     learned = {"combo/seed0/ours": {"selected": ["a", "b", "c"], "visual": 3, "candidates": 120, "labels_from": "x"}}
-    assert verdict("learned-sets", made_up({}, learned)) == Verdict.HOLDS
-    assert verdict("pools-exceed-100", made_up({}, learned)) == Verdict.HOLDS
+    assert verdict("learned-sets", made_up({}, learned)) == ClaimVerdict.HOLDS
+    assert verdict("pools-exceed-100", made_up({}, learned)) == ClaimVerdict.HOLDS
     learned["combo/seed0/ours"]["visual"] = 2
-    assert verdict("learned-sets", made_up({}, learned)) == Verdict.FAILS
+    assert verdict("learned-sets", made_up({}, learned)) == ClaimVerdict.FAILS
 
 
 def test_interim_numbers_are_compared_range_to_range() -> None:
     found = judge_interim(load_claims().interim, made_up({("ours", "combo"): 9, ("no-feature", "combo"): 10}))
     by_cell = {(family, approach): verdict for family, approach, verdict, _ in found}
-    assert by_cell["combo", "ours"] == Verdict.HOLDS
-    assert by_cell["combo", "no-feature"] == Verdict.FAILS
-    assert by_cell["kitchen", "ours"] == Verdict.NOT_RUN
+    assert by_cell["combo", "ours"] == ClaimVerdict.HOLDS
+    assert by_cell["combo", "no-feature"] == ClaimVerdict.FAILS
+    assert by_cell["kitchen", "ours"] == ClaimVerdict.NOT_RUN
 
 
 def test_the_claims_file_is_the_one_under_tests_too() -> None:
@@ -90,7 +90,7 @@ def test_the_claims_file_is_the_one_under_tests_too() -> None:
 def test_a_report_names_date_command_reader_seeds_and_says_what_needs_a_model() -> None:
     learned = {"combo/seed0/ours": {"selected": ["a"], "visual": 1, "candidates": 9, "operators": 3,
                                     "labels_from": "offline:burger:123"}}  # fmt: skip
-    run = made_up({("ours", "combo"): 10, ("vila-pure", "combo"): Outcome.NEEDS_MODEL}, learned)
+    run = made_up({("ours", "combo"): 10, ("vila-pure", "combo"): TryOutcome.NEEDS_MODEL}, learned)
     text = section(run, load_claims(), date="2026-01-02", command="pix2pred bench run paper", chart=None)
     assert "`pix2pred bench run paper` (2026-01-02)" in text and "offline:burger:123" in text and "Seeds 0," in text
     assert "| ours | not run | not run | not run | 10.0 ± 0.0 [72, 100] % | not run |" in text

@@ -16,11 +16,11 @@ import pytest
 
 from benchmark.small import HashVLM, SmallNames, run_small
 from extras import need
-from pix2pred.benchmark import Outcome, read_rows, status_of
+from pix2pred.benchmark import TryOutcome, read_rows, status_of
 from pix2pred.benchmark.runner import expected
 from pix2pred.runs.folder import RunFolderError
 from pix2pred.system.parallel import Backend, Workers
-from pix2pred.vlm import StoreMode
+from pix2pred.vlm import VLM, StoreMode
 
 ROOT = Path(__file__).parents[1]
 KILLS = int(os.environ.get("PIX2PRED_KILLS", "4"))
@@ -46,20 +46,20 @@ def test_there_is_a_row_for_every_try_and_for_every_cell_that_is_not_tried(finis
     tried = [r for r in rows if r.outcome.scored]
     assert len(tried) == 3 * 2 * 2 and all(r.task and r.family == "stacks" for r in tried)
     by_cell = {(r.approach, r.family, r.seed): r.outcome for r in rows if r.task is None}
-    assert by_cell["vila-pure", "stacks", 0] == Outcome.NEEDS_MODEL
-    assert by_cell["vila-pure", "kitchen", 1] == by_cell["ours", "kitchen", 0] == Outcome.NOT_AVAILABLE
+    assert by_cell["vila-pure", "stacks", 0] == TryOutcome.NEEDS_MODEL
+    assert by_cell["vila-pure", "kitchen", 1] == by_cell["ours", "kitchen", 0] == TryOutcome.NOT_AVAILABLE
     assert len(by_cell) == 2 + 4 * 2
 
 
 def test_every_failure_has_a_cause(finished: Path) -> None:
-    failed = [r for r in read_rows(finished / "rows.jsonl") if r.outcome in (Outcome.FAILED, Outcome.BUDGET)]
+    failed = [r for r in read_rows(finished / "rows.jsonl") if r.outcome in (TryOutcome.FAILED, TryOutcome.BUDGET)]
     assert failed and all(r.cause and r.failure for r in failed)
 
 
 def test_the_reader_is_never_scored_where_a_model_is_needed(finished: Path, tmp_path: Path) -> None:
     """With a model of any other name the same cell is tried."""
     run = run_small(tmp_path, vlm="hosted", approaches=["vila-pure"], seeds=[0])
-    assert {r.outcome for r in run.rows if r.family == "stacks"} == {Outcome.FAILED}
+    assert {r.outcome for r in run.rows if r.family == "stacks"} == {TryOutcome.FAILED}
     assert {r.failure for r in run.rows if r.family == "stacks"} == {"no plan"}
 
 
@@ -109,16 +109,18 @@ def test_status_tells_how_far_an_unfinished_run_is(finished: Path, tmp_path: Pat
     assert (sum(r.task is not None for r in run.rows), expected(run)) == (11, 12)
 
 
-def test_another_suite_or_another_reader_is_refused(
-    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+class NewerReader(SmallNames):
+    def vlm(self, spec: str, domain: str | None, *_: object, **__: object) -> VLM:
+        return HashVLM("offline:newer")
+
+
+def test_another_suite_or_another_reader_is_refused(finished: Path, tmp_path: Path) -> None:
     copy = tmp_path / "run"
     shutil.copytree(finished, copy)
     with pytest.raises(RunFolderError, match="another suite"):
         run_small(copy, tasks=3)
-    monkeypatch.setattr(SmallNames, "vlm", lambda self, spec, domain: HashVLM("offline:newer"))
     with pytest.raises(RunFolderError, match="was made with offline:hash, not offline:newer"):
-        run_small(copy)
+        run_small(copy, names=NewerReader())
 
 
 @pytest.mark.parametrize(

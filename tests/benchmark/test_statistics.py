@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pix2pred.benchmark.rows import Outcome, Row
+from pix2pred.benchmark.rows import Row, TryOutcome
 from pix2pred.benchmark.statistics import Cell, cell, sign_test, wilson
 
 
-def row(seed: int, outcome: Outcome, cause: str = "") -> Row:
+def row(seed: int, outcome: TryOutcome, cause: str = "") -> Row:
     return Row("ours", "combo", None, seed, "t" if outcome.scored else None, outcome, cause=cause, labels=2)
 
 
@@ -40,8 +40,8 @@ def test_sign_test() -> None:
 
 
 def test_a_cell_counts_per_seed_and_names_causes() -> None:
-    rows = [row(0, Outcome.SOLVED), row(0, Outcome.FAILED, "wrong label"), row(1, Outcome.SOLVED),
-            row(1, Outcome.SOLVED), row(2, Outcome.BUDGET, "budget"), row(2, Outcome.SOLVED)]  # fmt: skip
+    rows = [row(0, TryOutcome.SOLVED), row(0, TryOutcome.FAILED, "wrong label"), row(1, TryOutcome.SOLVED),
+            row(1, TryOutcome.SOLVED), row(2, TryOutcome.BUDGET, "budget"), row(2, TryOutcome.SOLVED)]  # fmt: skip
     found = cell(rows)
     assert isinstance(found, Cell)
     assert (found.tries, found.by_seed, found.solved, found.labels) == (6, (1, 2, 1), 4, 12)
@@ -51,10 +51,10 @@ def test_a_cell_counts_per_seed_and_names_causes() -> None:
 
 def test_what_was_not_tried_is_no_zero() -> None:
     assert cell([]) is None
-    assert cell([row(0, Outcome.NEEDS_MODEL)]) == Outcome.NEEDS_MODEL
-    assert cell([row(0, Outcome.NOT_AVAILABLE)]) == Outcome.NOT_AVAILABLE
+    assert cell([row(0, TryOutcome.NEEDS_MODEL)]) == TryOutcome.NEEDS_MODEL
+    assert cell([row(0, TryOutcome.NOT_AVAILABLE)]) == TryOutcome.NOT_AVAILABLE
 
 
 def test_one_seed_has_no_deviation() -> None:
-    found = cell([row(0, Outcome.SOLVED)])
+    found = cell([row(0, TryOutcome.SOLVED)])
     assert isinstance(found, Cell) and found.sd == 0 and found.text == "1.0 ± 0.0"

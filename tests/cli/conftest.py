@@ -5,21 +5,19 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from command_line import Cli, Ran
+import cli.hostile_lamps as lamps
+from cli.hostile import Model
+from command_line import Cli
 from pix2pred.cli.app import run
 
 
 @pytest.fixture
 def cli(capfd: pytest.CaptureFixture[str]) -> Cli:
-    def call(*args: object) -> Ran:
-        code = run([str(a) for a in args])
-        captured = capfd.readouterr()
-        return Ran(code, captured.out, captured.err)
-
-    return call
+    return Cli(lambda: (read := capfd.readouterr()) and (read.out, read.err))
 
 
 @pytest.fixture(scope="session")
@@ -41,3 +39,29 @@ def run_copy(learned: Path, tmp_path: Path) -> Iterator[Path]:
     copy = tmp_path / "run"
     shutil.copytree(learned, copy)
     yield copy
+
+
+@pytest.fixture
+def model(cli: Cli) -> Model:
+    """Call it to put a scripted model behind ``--vlm``; gives the model."""
+
+    def set_model(**answers: Any) -> Any:
+        fake = lamps.Fake(**answers)
+        cli.registry = lamps.OneModel(fake)
+        return fake
+
+    set_model()
+    return set_model
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> Path:
+    return Path(lamps.write_lamps(tmp_path / "data"))
+
+
+@pytest.fixture
+def done(cli: Cli, model: Model, data: Path, tmp_path: Path) -> Path:
+    """A finished run of the lamps."""
+    ran = cli("learn", data, "--out", tmp_path / "done")
+    assert ran.code == 0, ran.err
+    return tmp_path / "done"

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 
+from pix2pred.registry import Registry
 from pix2pred.vlm import VLM, Answer, AnswerStore, Request, StoredVLM, StoreMode
 from pix2pred.vlm.offline.prompt_format import asked_atoms, current_views
 
@@ -122,19 +123,14 @@ class Fake:
         return Answer((self.propose if request.purpose == "propose" else self.label)(request))
 
 
-def use(model: VLM) -> None:
-    """Make the command line load ``model``, in this process for good."""
-    import pix2pred.api
-    import pix2pred.cli.learn
+@dataclass
+class OneModel(Registry):
+    """A registry in which every ``--vlm`` is ``model``."""
 
-    for module in (pix2pred.api, pix2pred.cli.learn):
-        module.__dict__["load_stored"] = behind_a_store(model)
+    model: VLM
 
-
-def behind_a_store(model: VLM) -> Callable[..., StoredVLM]:
-    """What stands in for ``registry.load_stored``."""
-
-    def load(
+    def stored(
+        self,
         spec: str,
         domain: str | None,
         store: AnswerStore,
@@ -142,16 +138,14 @@ def behind_a_store(model: VLM) -> Callable[..., StoredVLM]:
         *rest: object,
         **more: object,
     ) -> StoredVLM:
-        return StoredVLM(model, store, mode)
-
-    return load
+        return StoredVLM(self.model, store, mode)
 
 
 def main() -> None:
     """``python hostile_lamps.py SECONDS verb ...``: the command line with a model that takes SECONDS an answer."""
     import time
 
-    from pix2pred.cli import main as command_line
+    from pix2pred.cli.app import main as command_line
 
     seconds = float(sys.argv[1])
 
@@ -159,9 +153,7 @@ def main() -> None:
         time.sleep(seconds)
         return sees(request)
 
-    use(Fake(slow, slow))
-    sys.argv = ["pix2pred", *sys.argv[2:]]
-    command_line(sys.argv[1:])
+    command_line(sys.argv[2:], OneModel(Fake(slow, slow)))
 
 
 if __name__ == "__main__":

@@ -20,12 +20,11 @@ from markupsafe import escape
 from PIL.ExifTags import Base
 
 import cli.hostile_lamps as lamps
-import pix2pred.api
-import pix2pred.cli.learn
 from command_line import Cli
 from lamps_run import BOMB, learn_lamps
 from pix2pred.planning import is_valid
 from pix2pred.planning.pddl.read import read_domain, read_problem
+from pix2pred.registry import Registry
 from pix2pred.report.plan_page import POLICY
 from pix2pred.structs import GroundOperator, Image
 from pix2pred.vlm import Request
@@ -41,12 +40,12 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def run(learned: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def run(cli: Cli, learned: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of a learned run beside its data; the model sees what is in the pictures, and says so with markup."""
     import shutil
 
     shutil.copytree(learned, tmp_path / "lamps")
-    use(monkeypatch, says)
+    cli.registry = registry(says)
     monkeypatch.chdir(tmp_path)
     return tmp_path / "lamps" / "run"
 
@@ -55,10 +54,8 @@ def says(request: Request) -> str:
     return lamps.sees(request).replace("As seen.", f"As seen {BOMB}")
 
 
-def use(monkeypatch: pytest.MonkeyPatch, label: lamps.Say) -> None:
-    model = lamps.Fake(label, label, f"fake{BOMB}")
-    for module in (pix2pred.api, pix2pred.cli.learn):
-        monkeypatch.setitem(module.__dict__, "load_stored", lamps.behind_a_store(model))
+def registry(label: lamps.Say) -> Registry:
+    return lamps.OneModel(lamps.Fake(label, label, f"fake{BOMB}"))
 
 
 @pytest.fixture
@@ -238,14 +235,13 @@ def test_a_killed_session_loses_no_photo(run: Path) -> None:
         "def say(r):\n"
         "    if len(r.views) > 1: time.sleep(60)\n"
         "    return lamps.sees(r)\n"
-        f"lamps.use(lamps.Fake(say, say, {'fake' + BOMB!r}))\n"
         "from pix2pred.cli import main\n"
-        f"main({arguments!r})\n"
+        f"main({arguments!r}, lamps.OneModel(lamps.Fake(say, say, {'fake' + BOMB!r})))\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(program.parents[1]), *sys.path])}
     process = subprocess.Popen([sys.executable, "-c", slow], env=environment, stderr=subprocess.DEVNULL)
     session = run / "plans/t0/session.json"
-    for _ in range(600):
+    for _ in range(2400):
         if session.exists():
             break
         time.sleep(0.05)

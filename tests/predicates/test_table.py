@@ -15,6 +15,7 @@ from pix2pred.structs import (
     SkillTrigger,
     State,
 )
+from pix2pred.system.progress import Stage
 from predicates.scripted import COOKED, HOLDING, ITEM, OBJECTS, P1, P2, POOL, ROBOT, UNDER, R, ScriptedVLM, demo, state
 
 ANSWERS = ["cooked(patty1): Unknown. cooked(patty2): True.", "cooked(patty1): True.", "cooked(patty2): False."]
@@ -44,17 +45,17 @@ def test_nothing_is_asked_when_no_predicate_needs_it() -> None:
 
 def test_threads_change_nothing_and_progress_counts() -> None:
     demos = [demo(actions=i, name=f"d{i}") for i in range(1, 6)]
-    seen: list[tuple[int, int, str]] = []
+    seen: list[tuple[Stage, int, int, str]] = []
     tables = [
         label_demos(
             demos, (HOLDING,), POOL,
             Labeller(ScriptedVLM(lambda r: f"cooked(patty{len(r.text) % 2 + 1}): True."), LabelSettings()),
-            jobs=jobs, progress=lambda done, total, name: seen.append((done, total, name)),
+            jobs=jobs, progress=lambda stage, done, total, name: seen.append((stage, done, total, name)),
         ).table
         for jobs in (1, 4)
     ]  # fmt: skip
     assert tables[0] == tables[1]
-    assert seen == [(i, 5, f"d{i}") for i in range(1, 6)] * 2
+    assert seen == [(Stage.LABEL, i, 5, f"d{i}") for i in range(1, 6)] * 2
 
 
 def test_atoms_are_sorted_typed_and_over_distinct_objects() -> None:

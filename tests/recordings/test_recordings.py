@@ -17,14 +17,14 @@ import numpy as np
 import pytest
 
 from extras import need
-from pix2pred.cli.learn import resolve_settings
 from pix2pred.demos import Project, read_project, read_tasks, write_project
 from pix2pred.execution import Solver
-from pix2pred.pipeline import Learned, learn
+from pix2pred.pipeline import Learned, LearningProblem, learn
 from pix2pred.predicates import Labeller
 from pix2pred.recordings import Recording, load_recording, recording_names
 from pix2pred.recordings.archive import pack_folder, unpack_folder
 from pix2pred.registry import load_domain, load_planner
+from pix2pred.settings import of_file, of_project, resolve
 from pix2pred.structs import Image, PlanStatus
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.formats.names import UnknownNameError
@@ -66,9 +66,9 @@ def replay(tmp_path_factory: pytest.TempPathFactory):  # type: ignore[no-untyped
         recording = load_recording(name)
         recording.unpack_answers(folder / "answers")
         project = _project(recording, folder / "data")
-        settings = resolve_settings(project, recording.settings)
+        settings = resolve(of_project(project.learning), *([of_file(recording.settings)] if recording.settings else []))
         model = Replay(AnswerStore(folder / "answers"))
-        learned = learn(project.vocabulary, project.demos, model, settings)
+        learned = learn(LearningProblem(project.vocabulary, project.demos, model, settings))
         solver = Solver(
             learned.model, load_planner("portfolio"), Labeller(model, settings.labels), samplers=learned.samplers
         )

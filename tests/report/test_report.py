@@ -132,10 +132,10 @@ def test_corrections_reach_learning_and_the_report_shows_before_and_after(tmp_pa
         {"kind": "standing", "predicate": "lit0", "old": "free", "new": "pinned"},
     ]
     (run.path / CORRECTIONS).write_text("".join(json.dumps(when | row) + "\n" for row in rows))
-    selected, metrics = relearn(run, lambda *_: None)
+    learned = relearn(run)
     write_report(run)
-    assert [p.name for p in selected.selection.pinned] == ["<script>shines</script>"]
-    assert metrics["corrections"] == 3
+    assert [p.name for p in learned.selected.selection.pinned] == ["<script>shines</script>"]
+    assert learned.metrics["corrections"] == 3
     assert (run.path / "labels/as_said.json").read_bytes() == before
     text = (run.path / REPORT).read_text()
     assert "Before and after" in text and "&lt;script&gt;shines" in text and "<script>shines" not in text

@@ -18,7 +18,7 @@ from pix2pred.learning import load_traces
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.predicates.corrections import parse_row
 from pix2pred.review import CorrectionLog, StaleError
-from pix2pred.runs.learn import AS_SAID
+from pix2pred.runs.layout import AS_SAID
 
 
 def label(state: int, old: str, new: str, demo: str = "d0", name: str = "l1") -> Any:
@@ -78,7 +78,7 @@ from pathlib import Path
 from pix2pred.learning import load_traces
 from pix2pred.predicates.corrections import parse_row
 from pix2pred.review import CorrectionLog
-from pix2pred.runs.learn import AS_SAID
+from pix2pred.runs.layout import AS_SAID
 folder = Path(sys.argv[1])
 log = CorrectionLog(folder, load_traces(folder / AS_SAID).table)
 words = ["false", "true"]

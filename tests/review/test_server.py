@@ -7,6 +7,7 @@ import json
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +16,24 @@ import pytest
 from lamps_run import learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.review import ReviewServer
+from pix2pred.review.session import Session
 from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.learn import LearnedRun
 
 
-@pytest.fixture
-def server(tmp_path: Path) -> Iterator[ReviewServer]:
-    with ReviewServer(learn_lamps(tmp_path)) as made:
+@contextmanager
+def serving(made: ReviewServer) -> Iterator[ReviewServer]:
+    with made:
         thread = threading.Thread(target=made.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
         thread.start()
         yield made
         made.shutdown()
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[ReviewServer]:
+    with serving(ReviewServer(learn_lamps(tmp_path))) as made:
+        yield made
 
 
 def ask(
@@ -156,13 +165,14 @@ def test_damaged_files_are_said(server: ReviewServer) -> None:
     assert ask(server, f"/{server.token}/corrections", b"[]", Content_Length="\u00b2")[0] == 415
 
 
-def test_learning_that_fails_in_any_way_says_so(server: ReviewServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(*_: Any) -> None:
+def test_learning_that_fails_in_any_way_says_so(tmp_path: Path) -> None:
+    def broken(*_: Any) -> LearnedRun:
         raise KeyError("lost")
 
-    monkeypatch.setattr("pix2pred.review.session.relearn", broken)
-    ask(server, f"/{server.token}/learn", {})
-    assert wait(server) == {"running": "", "error": "'lost'", "version": 0}
+    run = learn_lamps(tmp_path)
+    with serving(ReviewServer(run, session=Session(run, broken))) as server:
+        ask(server, f"/{server.token}/learn", {})
+        assert wait(server) == {"running": "", "error": "'lost'", "version": 0}
 
 
 def test_a_busy_run_folder_is_said(server: ReviewServer) -> None:

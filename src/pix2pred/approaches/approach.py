@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -10,33 +10,41 @@ import numpy as np
 
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.execution.explaining.replayed_demos import TruthInDemo
-from pix2pred.learning.samplers.learn import learn_samplers
-from pix2pred.pipeline import Chooser, Learned, Pool, PoolMaker, Progress, Selected, Settings, climb, learn, silent
+from pix2pred.pipeline import (
+    Chooser,
+    Learned,
+    LearningProblem,
+    Pool,
+    PoolMaker,
+    Selected,
+    climb,
+    fit_samplers,
+    learn,
+)
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import Labeller
+from pix2pred.settings import Settings
 from pix2pred.structs import (
-    Demo,
     Episode,
     FromVLM,
     Label,
     LabelledDemo,
     Task,
     TruthTable,
-    Vocabulary,
     WorldModel,
 )
 from pix2pred.structs.environment import Environment
-from pix2pred.vlm import VLM
+from pix2pred.system.progress import silent
 
 
 @dataclass(frozen=True, slots=True)
 class Training:
-    """What every approach gets. ``shown_demos`` bounds the demonstrations that a prompt shows (context limits)."""
+    """What every approach gets: the same problem of learning, and the same planner for the tasks after it.
 
-    vocabulary: Vocabulary
-    demos: Sequence[Demo]
-    vlm: VLM
-    settings: Settings
+    ``shown_demos`` bounds the demonstrations that a prompt shows, where a model's context is limited.
+    """
+
+    problem: LearningProblem
     planner: TaskPlanner
     shown_demos: int | None = None
 
@@ -76,7 +84,7 @@ class Approach(Protocol):
         """See above."""
         ...
 
-    def train(self, training: Training, progress: Progress = silent) -> Agent:
+    def train(self, training: Training) -> Agent:
         """Learn from the demonstrations. Raises what ``pipeline.learn`` raises."""
         ...
 
@@ -112,7 +120,7 @@ class ModelAgent:
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
         """Open loop, as the paper does in simulation."""
-        labeller = Labeller(self.training.vlm, self.training.settings.labels)
+        labeller = Labeller(self.training.problem.vlm, self.training.problem.settings.labels)
         solver = Solver(self.model, self.training.planner, labeller, samplers=self.learned.samplers)
         return solver.solve(task, environment, truth)
 
@@ -121,13 +129,12 @@ class ModelAgent:
         table = self.learned.labelling.table
         demos = tuple(_corrected(d, demo, truth) for d, demo in enumerate(table.demos))
         right = TruthTable(table.initial, table.pool, demos)
-        selection = self.choose(right, self.training.settings.learning, silent, ())
+        selection = self.choose(right, self.training.problem.settings.learning, silent)
         model = replace(self.model, selected=selection.selected, operators=selection.operators)
         labelling = replace(self.learned.labelling, table=right)
-        fitter = self.training.settings.samplers.fitter()
-        samplers = learn_samplers(selection.operators, self.training.demos, demos, fitter)
-        learned = Learned(self.learned.proposals, labelling, Selected(model, right, selection), samplers)
-        return replace(self, learned=learned)
+        selected = Selected(model, right, selection)
+        samplers = fit_samplers(self.training.problem, selected)
+        return replace(self, learned=Learned(self.learned.proposals, labelling, selected, samplers))
 
 
 def _corrected(d: int, demo: LabelledDemo, truth: TruthInDemo) -> LabelledDemo:
@@ -154,10 +161,8 @@ class Composition:
     def limited(self, candidates: int, seed: int) -> Composition:
         """The same approach with that many of its visual candidates, drawn at random; smaller draws are subsets."""
 
-        def pool(
-            vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
-        ) -> Pool:
-            made = self.pool(vocabulary, demos, vlm, settings, progress)
+        def pool(problem: LearningProblem) -> Pool:
+            made = self.pool(problem)
             visual = [c for c in made.candidates if isinstance(c.predicate.source, FromVLM)]
             drawn = np.random.default_rng(seed).permutation(len(visual))[:candidates]
             kept = {visual[i].predicate for i in drawn}
@@ -166,15 +171,7 @@ class Composition:
 
         return replace(self, pool=pool)
 
-    def train(self, training: Training, progress: Progress = silent) -> ModelAgent:
-        adjusted = replace(training, settings=self.adjust(training.settings))
-        learned = learn(
-            adjusted.vocabulary,
-            adjusted.demos,
-            adjusted.vlm,
-            adjusted.settings,
-            progress,
-            pool=self.pool,
-            choose=self.choose,
-        )
-        return ModelAgent(adjusted, learned, self.choose)
+    def train(self, training: Training) -> ModelAgent:
+        problem = replace(training.problem, settings=self.adjust(training.problem.settings))
+        learned = learn(problem, pool=self.pool, choose=self.choose)
+        return ModelAgent(replace(training, problem=problem), learned, self.choose)

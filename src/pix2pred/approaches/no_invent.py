@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from pix2pred.approaches.approach import Composition
 from pix2pred.approaches.no_subselect import keep_all
-from pix2pred.pipeline import Pool, Progress, Settings, silent
-from pix2pred.structs import Demo, Vocabulary
-from pix2pred.vlm import VLM
+from pix2pred.pipeline import LearningProblem, Pool
 
 
-def empty_pool(
-    vocabulary: Vocabulary, demos: Sequence[Demo], vlm: VLM, settings: Settings, progress: Progress = silent
-) -> Pool:
+def empty_pool(problem: LearningProblem) -> Pool:
     """No candidates."""
     return Pool(())
 

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from pix2pred.approaches.approach import Composition
 from pix2pred.learning import LearningSettings, Selection, learn_operators
-from pix2pred.pipeline import Progress, silent, whole_pool
+from pix2pred.pipeline import whole_pool
 from pix2pred.structs import Predicate, TruthTable
+from pix2pred.system.progress import Progress, Stage, silent
 
 
 def keep_all(
@@ -18,7 +19,7 @@ def keep_all(
 ) -> Selection:
     """Every candidate that is true at least once, and the operators learned with all of them."""
     everything = tuple(c.predicate for c in table.candidates())
-    progress("select", len(everything), len(everything), "all are kept")
+    progress(Stage.SELECT, len(everything), len(everything), "all are kept")
     return Selection(everything, (), learn_operators(table, settings), (), (), 0, 0, 0, 0, tuple(pinned))
 
 

@@ -9,7 +9,6 @@ from typing import Any
 from pix2pred.approaches.approach import Training
 from pix2pred.approaches.parse_plan import NoPlanError, WrittenPlan, parse_plan
 from pix2pred.execution import TruthOf
-from pix2pred.pipeline import Progress, silent
 from pix2pred.predicates.prompt import fill, views
 from pix2pred.structs import Action, Atom, Demo, Episode, ExecutedStep, Failure, Skill, Task, Type
 from pix2pred.structs.environment import Environment, StepStatus
@@ -29,8 +28,8 @@ class ViLa:
     shows_demos: bool
     needs_model: bool = True
 
-    def train(self, training: Training, progress: Progress = silent) -> ViLaAgent:
-        shown = tuple(training.demos)[: training.shown_demos] if self.shows_demos else ()
+    def train(self, training: Training) -> ViLaAgent:
+        shown = tuple(training.problem.demos)[: training.shown_demos] if self.shows_demos else ()
         return ViLaAgent(training, shown)
 
 
@@ -48,8 +47,8 @@ class ViLaAgent:
         return {"shown_demos": len(self.shown)}
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
-        vocabulary = self.training.vocabulary
-        answer = self.training.vlm.answer(self.request(task)).text
+        vocabulary = self.training.problem.vocabulary
+        answer = self.training.problem.vlm.answer(self.request(task)).text
         try:
             plan = parse_plan(answer, vocabulary.skills, vocabulary.types, task.objects)
         except NoPlanError as error:
@@ -73,10 +72,10 @@ class ViLaAgent:
 
     def request(self, task: Task) -> Request:
         """The one query about a task."""
-        proposal = self.training.settings.proposal
+        proposal = self.training.problem.settings.proposal
         marks, size = proposal.marks, proposal.longest_side
         images = _Images(marks)
-        vocabulary = self.training.vocabulary
+        vocabulary = self.training.problem.vocabulary
         text = fill(
             "vila_pure",
             ROOM,

@@ -13,10 +13,10 @@ from typing import Any
 
 from pix2pred.approaches.approach import ModelAgent, Training
 from pix2pred.approaches.parse_code import CodePredicate, RejectedBlock, distinct, parse_code
-from pix2pred.approaches.sandbox import CodeError, Limits, run_classifier
+from pix2pred.approaches.sandbox import CodeError, SandboxLimits, run_classifier
 from pix2pred.approaches.vila import ROOM, type_lines
 from pix2pred.execution import TruthOf
-from pix2pred.pipeline import Pool, Progress, Settings, climb, learn, silent
+from pix2pred.pipeline import LearningProblem, Pool, climb, learn
 from pix2pred.predicates import ground_atoms
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
 from pix2pred.structs import (
@@ -34,10 +34,11 @@ from pix2pred.structs import (
 )
 from pix2pred.structs.environment import Environment
 from pix2pred.structs.views import LONGEST_SIDE
-from pix2pred.vlm import VLM, Request
+from pix2pred.system.progress import Stage
+from pix2pred.vlm import Request
 
 ANSWER_TOKENS = 8192
-LIMITS = Limits()
+LIMITS = SandboxLimits()
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ class CodePool:
     code: Mapping[Predicate, CodePredicate]
     rejected: tuple[RejectedBlock, ...]
 
-    def values(self, states: Sequence[State], objects: Sequence[Object], limits: Limits) -> list[State]:
+    def values(self, states: Sequence[State], objects: Sequence[Object], limits: SandboxLimits) -> list[State]:
         """``states`` with the atoms that the classifiers find true among the given ones; failing code finds none."""
         found = list(states)
         for predicate, code in self.code.items():
@@ -64,36 +65,33 @@ class VLMFeaturePredicates:
 
     name: str = "vlm-feature-predicates"
     needs_model: bool = True
-    limits: Limits = LIMITS
+    limits: SandboxLimits = LIMITS
 
-    def train(self, training: Training, progress: Progress = silent) -> CodeAgent:
+    def train(self, training: Training) -> CodeAgent:
         """Raises ``SandboxError`` where code cannot be confined."""
-        pool, demos = self.written_pool(training, progress)
+        pool, demos = self.written_pool(training.problem)
         candidates = tuple(Candidate(p, float(p.arity)) for p in pool.code)
+        problem = replace(training.problem, demos=demos)
+        learned = learn(problem, pool=lambda _: Pool(candidates))
+        return CodeAgent(ModelAgent(replace(training, problem=problem), learned, climb), pool, self.limits)
 
-        def made(v: Vocabulary, d: Sequence[Demo], vlm: VLM, s: Settings, progress: Progress = silent) -> Pool:
-            return Pool(candidates)
-
-        learned = learn(training.vocabulary, demos, training.vlm, training.settings, progress, pool=made, choose=climb)
-        return CodeAgent(ModelAgent(replace(training, demos=demos), learned, climb), pool, self.limits)
-
-    def written_pool(self, training: Training, progress: Progress = silent) -> tuple[CodePool, tuple[Demo, ...]]:
+    def written_pool(self, problem: LearningProblem) -> tuple[CodePool, tuple[Demo, ...]]:
         """What the model writes and what of it works, and the demonstrations with its values."""
-        types = {t.name: t for t in training.vocabulary.types}
-        shown = training.settings.proposal
+        types = {t.name: t for t in problem.vocabulary.types}
+        shown = problem.settings.proposal
         written: list[CodePredicate] = []
         rejected: list[RejectedBlock] = []
-        for i, demo in enumerate(training.demos):
-            progress("propose", i, len(training.demos), demo.name)
-            answer = training.vlm.answer(
-                code_request(demo, training.vocabulary, marks=shown.marks, longest_side=shown.longest_side)
+        for i, demo in enumerate(problem.demos):
+            problem.progress(Stage.PROPOSE, i, len(problem.demos), demo.name)
+            answer = problem.vlm.answer(
+                code_request(demo, problem.vocabulary, marks=shown.marks, longest_side=shown.longest_side)
             )
             found, bad = parse_code(answer.text, types)
             written += found
             rejected += bad
-        taken = {p.name for p in training.vocabulary.initial}
+        taken = {p.name for p in problem.vocabulary.initial}
         code: dict[Predicate, CodePredicate] = {}
-        demos = list(training.demos)
+        demos = list(problem.demos)
         for one in distinct(written):
             predicate = Predicate(_free_name(one.name, taken), one.types, FromDomain())
             try:
@@ -115,7 +113,7 @@ class CodeAgent:
 
     agent: ModelAgent
     pool: CodePool
-    limits: Limits
+    limits: SandboxLimits
 
     @property
     def plans_with(self) -> ModelAgent:
@@ -136,7 +134,7 @@ class CodeAgent:
 
 
 def with_values(
-    states: Sequence[State], predicate: Predicate, code: CodePredicate, objects: Sequence[Object], limits: Limits
+    states: Sequence[State], predicate: Predicate, code: CodePredicate, objects: Sequence[Object], limits: SandboxLimits
 ) -> list[State]:
     """``states`` with the atoms of ``predicate`` that its code finds true. Raises ``CodeError``."""
     atoms = ground_atoms([predicate], objects)

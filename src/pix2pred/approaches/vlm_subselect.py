@@ -10,8 +10,10 @@ from dataclasses import replace
 
 from pix2pred.approaches.approach import Composition
 from pix2pred.learning import LearningSettings, Selection
-from pix2pred.pipeline import Progress, Settings, climb, silent, whole_pool
+from pix2pred.pipeline import climb, whole_pool
+from pix2pred.settings import Settings
 from pix2pred.structs import FromVLM, Predicate, TruthTable
+from pix2pred.system.progress import Progress, silent
 
 
 def climb_from_visual(

@@ -47,7 +47,7 @@ def _solves(agent: ModelAgent, task: Task, environment: Environment, truth: Trut
     """Whether ``agent``'s model, with true labels of the initial state, gives a plan that works."""
     environment.reset()
     seen = frozenset(episode.labels)
-    given = given_atoms(agent.model, Labeller(agent.training.vlm, agent.training.settings.labels), task)
+    given = given_atoms(agent.model, Labeller(agent.training.problem.vlm, agent.training.problem.settings.labels), task)
     state = given | correct_labels(seen, check_labels(truth, seen, task, agent.model).wrong)
     found = agent.training.planner.plan(agent.model.operators, task.objects, state, task.goal)
     parameters = Parameters.for_task(agent.learned.samplers, 0, task)

@@ -15,16 +15,17 @@ from typing import Any, Protocol
 
 from pix2pred.approaches.approach import Agent, Approach, ModelAgent, Training
 from pix2pred.benchmark.causes import cause_of, training_errors
-from pix2pred.benchmark.rows import Cause, Outcome, Row
+from pix2pred.benchmark.rows import Cause, Row, TryOutcome
 from pix2pred.benchmark.suite import FamilyEntry, Suite
 from pix2pred.benchmark.sweeps import NotAvailableError, Setting, tasks_for, vary
 from pix2pred.execution import TruthOf
 from pix2pred.execution.explaining.diagnosis import check_labels
-from pix2pred.execution.explaining.replayed_demos import Replayable, TruthInDemo, truths_of_demos
+from pix2pred.execution.explaining.replayed_demos import TruthInDemo, truths_of_demos
+from pix2pred.pipeline import LearningProblem
 from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.structs import Demo, Episode, Failure, Predicate
-from pix2pred.structs.environment import Domain, Environment, SimulatedTask
+from pix2pred.structs.environment import Domain, Environment, Replayable, SimulatedTask
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import VLM, AnswerStore, CountingVLM, StoredVLM, StoreMode
 
@@ -123,14 +124,14 @@ class Job:
                 found.append(Row.from_document(json.loads(path.read_text(encoding="utf-8"))))
         return found
 
-    def excluded(self, name: str) -> tuple[Outcome, str] | None:
+    def excluded(self, name: str) -> tuple[TryOutcome, str] | None:
         """Why the approach ``name`` is not tried here at all, or None."""
         try:
             assert self.family_name, "a family has a name"
         except NotAvailableError as error:
-            return Outcome.NOT_AVAILABLE, str(error)
+            return TryOutcome.NOT_AVAILABLE, str(error)
         if self.catalogue.approach(name).needs_model and self.model.name.startswith(READER):
-            return Outcome.NEEDS_MODEL, f"{self.model.name} neither plans nor writes code"
+            return TryOutcome.NEEDS_MODEL, f"{self.model.name} neither plans nor writes code"
         return None
 
     def finished(self, name: str) -> bool:
@@ -147,7 +148,7 @@ class Job:
             )
         return all((cell / f"task-{i:03d}.json").exists() for i in range(self.suite.tasks))
 
-    def cell_row(self, name: str, outcome: Outcome, detail: str) -> Row:
+    def cell_row(self, name: str, outcome: TryOutcome, detail: str) -> Row:
         """The row of an approach that is not tried."""
         return Row(name, self.family.name, self.value, self.seed, None, outcome, detail=detail)
 
@@ -171,7 +172,7 @@ def run_job(job: Job) -> Done:
             try:
                 tried += _Cell(job, name, run).finish()
             except NotAvailableError as error:
-                row = job.cell_row(name, Outcome.NOT_AVAILABLE, str(error))
+                row = job.cell_row(name, TryOutcome.NOT_AVAILABLE, str(error))
                 run.write_json(f"{job.place}/{name}/cell.json", row.document())
     seconds = round(time.perf_counter() - start, 3)
     queries = job.model.usage.as_dict() if tried else {}
@@ -214,15 +215,14 @@ class _Cell:
 
     def _train(self) -> Agent:
         job = self._job
-        training = Training(
+        problem = LearningProblem(
             job.domain.vocabulary(job.family_name),
             self._setting.demos,
             self._setting.vlm,
             job.suite.settings_of(job.family, job.domain.settings(job.family_name)),
-            job.suite.budgets.planner(),
-            job.family.shown_demos,
         )
-        return self._setting.approach.train(training)
+        planner = job.suite.budgets.planner()
+        return self._setting.approach.train(Training(problem, planner, job.family.shown_demos))
 
     def _try(self, i: int, agent: Agent) -> Row:
         stored = self._tasks[i]
@@ -238,7 +238,7 @@ class _Cell:
     def _row(
         self, stored: SimulatedTask, episode: Episode, agent: Agent, environment: Environment, truth: TruthOf | None
     ) -> Row:
-        outcome = Outcome.SOLVED if episode.solved else Outcome.FAILED
+        outcome = TryOutcome.SOLVED if episode.solved else TryOutcome.FAILED
         known = wrong = 0
         cause: Cause | str = ""
         modelled = agent.plans_with
@@ -253,7 +253,7 @@ class _Cell:
         elif not episode.solved:
             cause = Cause.UNDETERMINED
         if episode.failure == Failure.BUDGET:
-            outcome = Outcome.BUDGET
+            outcome = TryOutcome.BUDGET
         return Row(
             self._name, self._job.family.name, self._job.value, self._job.seed, stored.task.name, outcome,
             str(episode.failure or ""), str(cause), episode.detail, len(episode.plan), episode.nodes, known, wrong,
@@ -262,7 +262,7 @@ class _Cell:
     def _failed(self, i: int, why: str) -> Row:
         task = self._tasks[i].task.name
         return Row(
-            self._name, self._job.family.name, self._job.value, self._job.seed, task, Outcome.FAILED,
+            self._name, self._job.family.name, self._job.value, self._job.seed, task, TryOutcome.FAILED,
             "no answer", "", " ".join(why.split())[:300],
         )  # fmt: skip
 

@@ -12,12 +12,12 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
-from pix2pred.benchmark.rows import Outcome, Row
+from pix2pred.benchmark.rows import Row, TryOutcome
 from pix2pred.benchmark.runner import Run
 from pix2pred.benchmark.statistics import Cell, cell, cell_of
 
 
-class Verdict(StrEnum):
+class ClaimVerdict(StrEnum):
     """What became of a claim."""
 
     HOLDS = "holds"
@@ -128,15 +128,15 @@ class Judged:
     """A claim's verdict, and per family the verdict with its figures."""
 
     claim: Any
-    verdict: Verdict
-    families: Mapping[str, tuple[Verdict, str]]
+    verdict: ClaimVerdict
+    families: Mapping[str, tuple[ClaimVerdict, str]]
 
 
 def judge(claim: Any, run: Run) -> Judged:
     """What the run says about ``claim``, over the families that the claim and the suite share."""
     wanted = claim.families or [f.name for f in run.suite.families]
     names = [f.name for f in run.suite.families if f.name in wanted and f.name not in claim.excluded]
-    checks: dict[type, Callable[[Any, Run, str], tuple[Verdict, str]]] = {
+    checks: dict[type, Callable[[Any, Run, str], tuple[ClaimVerdict, str]]] = {
         Above: _above, Comparable: _comparable, NearZero: _near_zero, NoneOfSecondHalf: _second_half,
         PoolSize: _pool_size, SetSize: _set_size, MainCause: _main_cause,
     }  # fmt: skip
@@ -144,7 +144,7 @@ def judge(claim: Any, run: Run) -> Judged:
     return Judged(claim, _overall([verdict for verdict, _ in found.values()]), found)
 
 
-def judge_interim(interim: Interim, run: Run) -> list[tuple[str, str, Verdict, str]]:
+def judge_interim(interim: Interim, run: Run) -> list[tuple[str, str, ClaimVerdict, str]]:
     """(family, approach, verdict, figures): holds when the ranges mean ± sd overlap."""
     found = []
     for approach, numbers in interim.numbers.items():
@@ -157,59 +157,59 @@ def judge_interim(interim: Interim, run: Run) -> list[tuple[str, str, Verdict, s
             ten = 10 / measured.per_seed
             near = abs(measured.mean * ten - mean) <= sd + measured.sd * ten + 1e-9
             figures = f"measured {measured.text}, interim {said}"
-            found.append((family, approach, Verdict.HOLDS if near else Verdict.FAILS, figures))
+            found.append((family, approach, ClaimVerdict.HOLDS if near else ClaimVerdict.FAILS, figures))
     return found
 
 
-def _overall(verdicts: Sequence[Verdict]) -> Verdict:
+def _overall(verdicts: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """One failure refutes; what was not tried is said only when nothing was."""
-    for verdict in (Verdict.FAILS, Verdict.HOLDS, Verdict.NEEDS_MODEL):
+    for verdict in (ClaimVerdict.FAILS, ClaimVerdict.HOLDS, ClaimVerdict.NEEDS_MODEL):
         if verdict in verdicts:
             return verdict
-    return Verdict.NOT_RUN
+    return ClaimVerdict.NOT_RUN
 
 
-def _missing(found: Cell | Outcome | None) -> Verdict:
-    return Verdict.NEEDS_MODEL if found == Outcome.NEEDS_MODEL else Verdict.NOT_RUN
+def _missing(found: Cell | TryOutcome | None) -> ClaimVerdict:
+    return ClaimVerdict.NEEDS_MODEL if found == TryOutcome.NEEDS_MODEL else ClaimVerdict.NOT_RUN
 
 
-def _verdict(holds: bool) -> Verdict:
-    return Verdict.HOLDS if holds else Verdict.FAILS
+def _verdict(holds: bool) -> ClaimVerdict:
+    return ClaimVerdict.HOLDS if holds else ClaimVerdict.FAILS
 
 
-def _pair(claim: _Pair, run: Run, family: str) -> tuple[Cell, Cell] | Verdict:
+def _pair(claim: _Pair, run: Run, family: str) -> tuple[Cell, Cell] | ClaimVerdict:
     cells = [cell_of(run.rows, name, family) for name in (claim.better, claim.worse)]
     better, worse = cells
     if isinstance(better, Cell) and isinstance(worse, Cell):
         return better, worse
     missing = [_missing(c) for c in cells if not isinstance(c, Cell)]
-    return Verdict.NOT_RUN if Verdict.NOT_RUN in missing else Verdict.NEEDS_MODEL
+    return ClaimVerdict.NOT_RUN if ClaimVerdict.NOT_RUN in missing else ClaimVerdict.NEEDS_MODEL
 
 
-def _above(claim: Above, run: Run, family: str) -> tuple[Verdict, str]:
+def _above(claim: Above, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     pair = _pair(claim, run, family)
-    if isinstance(pair, Verdict):
+    if isinstance(pair, ClaimVerdict):
         return pair, ""
     better, worse = pair
     return _verdict(better.mean > worse.mean), f"{better.text} against {worse.text}"
 
 
-def _comparable(claim: Comparable, run: Run, family: str) -> tuple[Verdict, str]:
+def _comparable(claim: Comparable, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     pair = _pair(claim, run, family)
-    if isinstance(pair, Verdict):
+    if isinstance(pair, ClaimVerdict):
         return pair, ""
     better, worse = pair
     return _verdict(abs(better.mean - worse.mean) <= claim.margin), f"{better.text} against {worse.text}"
 
 
-def _near_zero(claim: NearZero, run: Run, family: str) -> tuple[Verdict, str]:
+def _near_zero(claim: NearZero, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     found = cell_of(run.rows, claim.approach, family)
     if not isinstance(found, Cell):
         return _missing(found), ""
     return _verdict(found.mean <= claim.bound), found.text
 
 
-def _second_half(claim: NoneOfSecondHalf, run: Run, family: str) -> tuple[Verdict, str]:
+def _second_half(claim: NoneOfSecondHalf, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     half: list[Row] = []
     for seed in run.suite.seeds:
         rows = [r for r in run.rows if (r.approach, r.family, r.seed) == (claim.approach, family, seed)]
@@ -225,30 +225,30 @@ def _learned(run: Run, approach: str, family: str) -> list[dict[str, Any]]:
     return [run.learned[p] for p in places if "selected" in run.learned.get(p, {})]
 
 
-def _pool_size(claim: PoolSize, run: Run, family: str) -> tuple[Verdict, str]:
+def _pool_size(claim: PoolSize, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     sizes = [learned["candidates"] for learned in _learned(run, claim.approach, family)]
     if not sizes:
-        return Verdict.NOT_RUN, ""
+        return ClaimVerdict.NOT_RUN, ""
     return _verdict(max(sizes) >= claim.bound), f"{min(sizes)} to {max(sizes)} candidates"
 
 
-def _set_size(claim: SetSize, run: Run, family: str) -> tuple[Verdict, str]:
+def _set_size(claim: SetSize, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     found = Counter(
         (learned["visual"], len(learned["selected"]) - learned["visual"])
         for learned in _learned(run, claim.approach, family)
     )
     if not found or family not in claim.sizes:
-        return Verdict.NOT_RUN, ""
+        return ClaimVerdict.NOT_RUN, ""
     wanted = (claim.sizes[family]["visual"], claim.sizes[family]["feature"])
     text = "; ".join(f"{v} visual and {f} feature ({n}x)" for (v, f), n in sorted(found.items()))
     return _verdict(2 * found[wanted] > found.total()), text
 
 
-def _main_cause(claim: MainCause, run: Run, family: str) -> tuple[Verdict, str]:
+def _main_cause(claim: MainCause, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     found = cell_of(run.rows, claim.approach, family)
     if not isinstance(found, Cell):
         return _missing(found), ""
     if not found.failures:
-        return Verdict.NOT_RUN, "no failures"
+        return ClaimVerdict.NOT_RUN, "no failures"
     text = ", ".join(f"{cause} {n}" for cause, n in found.failures.most_common())
     return _verdict(2 * found.failures[claim.cause] > found.failures.total()), text

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 
-class Outcome(StrEnum):
+class TryOutcome(StrEnum):
     """How a try ended. The last two are about a whole cell: nothing was tried."""
 
     SOLVED = "solved"
@@ -24,7 +24,7 @@ class Outcome(StrEnum):
     @property
     def scored(self) -> bool:
         """Whether the row counts as a try."""
-        return self not in (Outcome.NEEDS_MODEL, Outcome.NOT_AVAILABLE)
+        return self not in (TryOutcome.NEEDS_MODEL, TryOutcome.NOT_AVAILABLE)
 
 
 class Cause(StrEnum):
@@ -51,7 +51,7 @@ class Row:
     value: float | None
     seed: int
     task: str | None
-    outcome: Outcome
+    outcome: TryOutcome
     failure: str = ""
     cause: str = ""
     detail: str = ""
@@ -64,7 +64,7 @@ class Row:
     def from_document(cls, document: dict[str, Any]) -> Row:
         """The row of a JSON document. Raises ``ValueError`` for another document."""
         try:
-            return cls(**{**document, "outcome": Outcome(document["outcome"])})
+            return cls(**{**document, "outcome": TryOutcome(document["outcome"])})
         except (KeyError, TypeError) as error:
             raise ValueError(f"not a benchmark row: {error}") from error
 

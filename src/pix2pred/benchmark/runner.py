@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,12 +13,10 @@ from pix2pred.benchmark.rows import Row, dump_csv, dump_rows
 from pix2pred.benchmark.suite import Suite
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.system.parallel import Workers
+from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm import AnswerStore, StoreMode
 
 ROWS = "rows.jsonl"
-
-Progress = Callable[[int, int, str], None]
-"""Called with (jobs done, jobs, what was just finished)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +40,7 @@ def run_suite(
     workers: Workers,
     answers: Path | None = None,
     mode: StoreMode = StoreMode.RESUME,
-    progress: Progress = lambda done, total, text: None,
+    progress: Progress = silent,
 ) -> Run:
     """Run what is missing of ``suite`` in ``folder``, and write ``rows.jsonl`` and ``rows.csv``.
 
@@ -55,10 +52,10 @@ def run_suite(
         run.claim(_config(suite, vlm))
         jobs = _jobs(folder, suite, catalogue, vlm, store.directory, mode)
         done: list[Done] = []
-        progress(0, len(jobs), "")
+        progress(Stage.BENCH, 0, len(jobs), "")
         for one in workers.map(run_job, jobs):
             done.append(one)
-            progress(len(done), len(jobs), one.place.removeprefix("cells/"))
+            progress(Stage.BENCH, len(done), len(jobs), one.place.removeprefix("cells/"))
         rows = tuple(row for job in jobs for row in job.rows())
         run.write(ROWS, dump_rows(rows))
         run.write("rows.csv", dump_csv(rows))

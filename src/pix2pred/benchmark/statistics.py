@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import mean, stdev
 
-from pix2pred.benchmark.rows import Outcome, Row
+from pix2pred.benchmark.rows import Row, TryOutcome
 
 _Z = 1.959963984540054
 """Two-sided 95 % quantile of the normal distribution."""
@@ -86,7 +86,7 @@ class Cell:
         return f"{self.mean:.1f} ± {self.sd:.1f}"
 
 
-def cell(rows: Iterable[Row]) -> Cell | Outcome | None:
+def cell(rows: Iterable[Row]) -> Cell | TryOutcome | None:
     """The tries among ``rows``; why there are none; or None for no rows at all."""
     found = list(rows)
     tried = [r for r in found if r.outcome.scored]
@@ -95,13 +95,13 @@ def cell(rows: Iterable[Row]) -> Cell | Outcome | None:
     seeds = sorted({r.seed for r in tried})
     return Cell(
         len(tried),
-        tuple(sum(r.outcome == Outcome.SOLVED for r in tried if r.seed == seed) for seed in seeds),
-        Counter(r.cause or r.failure for r in tried if r.outcome != Outcome.SOLVED),
+        tuple(sum(r.outcome == TryOutcome.SOLVED for r in tried if r.seed == seed) for seed in seeds),
+        Counter(r.cause or r.failure for r in tried if r.outcome != TryOutcome.SOLVED),
         sum(r.label_errors for r in tried),
         sum(r.labels for r in tried),
     )
 
 
-def cell_of(rows: Sequence[Row], approach: str, family: str, value: float | None = None) -> Cell | Outcome | None:
+def cell_of(rows: Sequence[Row], approach: str, family: str, value: float | None = None) -> Cell | TryOutcome | None:
     """The cell of an approach and a family."""
     return cell(r for r in rows if (r.approach, r.family, r.value) == (approach, family, value))

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from pix2pred.pipeline import Settings
 from pix2pred.planning import AStar, Bounded, GreedyBestFirst, Planner, Portfolio
+from pix2pred.settings import Layer, Settings, of_project, resolve
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.errors import Pix2predError
 
@@ -114,12 +114,8 @@ class Suite(BaseModel):
 
     def settings_of(self, entry: FamilyEntry, learning: Mapping[str, Any]) -> Settings:
         """The settings of a family: its domain's for ``learning``, then the suite's, then its own in this suite."""
-        merged: dict[str, Any] = {"learning": dict(learning)}
-        for source in (self.settings, entry.settings):
-            for section, given in source.items():
-                both = isinstance(given, dict) and isinstance(merged.get(section), dict)
-                merged[section] = {**merged[section], **given} if both else given
-        return Settings.model_validate(merged)
+        suite, family = Layer(self.settings, f"suite {self.name}"), Layer(entry.settings, f"family {entry.name}")
+        return resolve(of_project(learning), suite, family)
 
 
 def suite_names() -> list[str]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, runtime_checkable
 
 from pix2pred.approaches.approach import Approach, Composition
 from pix2pred.benchmark.suite import Axis
 from pix2pred.structs import Demo
-from pix2pred.structs.environment import Domain, SimulatedTask
+from pix2pred.structs.environment import Domain, SimulatedTask, Sized
 from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM
 from pix2pred.vlm.noise.flips import FlippingVLM
@@ -17,15 +16,6 @@ from pix2pred.vlm.noise.flips import FlippingVLM
 
 class NotAvailableError(Pix2predError, LookupError):
     """A cell that cannot be run here; the message says why."""
-
-
-@runtime_checkable
-class Sized(Protocol):
-    """A domain that makes test tasks of a chosen size."""
-
-    def sized_tasks(self, family: str, seed: int, count: int, items: int) -> Sequence[SimulatedTask]:
-        """``count`` tasks with ``items`` movable things. Raises ``ValueError`` when the family has none."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pix2pred.benchmark.claims import Judged, Published, judge, judge_interim
-from pix2pred.benchmark.rows import Outcome
+from pix2pred.benchmark.rows import TryOutcome
 from pix2pred.benchmark.runner import Run, expected
 from pix2pred.benchmark.statistics import Cell, cell_of, sign_test
 
@@ -34,7 +34,7 @@ def solved_table(run: Run) -> str:
     return markdown(["approach", *values], rows)
 
 
-def _solved(found: Cell | Outcome | None) -> str:
+def _solved(found: Cell | TryOutcome | None) -> str:
     if not isinstance(found, Cell):
         return found.value if found else "not run"
     return f"{found.text} [{100 * found.interval.low:.0f}, {100 * found.interval.high:.0f}] %"
@@ -178,7 +178,7 @@ def comparison(left: Run, right: Run) -> str:
     groups: dict[tuple[str, str], list[tuple[bool, bool]]] = {}
     for row in left.rows:
         if row.outcome.scored and (other := others.get(key(row))):
-            pair = (row.outcome == Outcome.SOLVED, other.outcome == Outcome.SOLVED)
+            pair = (row.outcome == TryOutcome.SOLVED, other.outcome == TryOutcome.SOLVED)
             groups.setdefault((row.approach, row.family), []).append(pair)
     for (approach, family), pairs in groups.items():
         only_left = sum(a and not b for a, b in pairs)

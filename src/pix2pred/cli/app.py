@@ -11,11 +11,15 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from cyclopts import App, CycloptsError
 
 from pix2pred import __version__
 from pix2pred.system.errors import Pix2predError, StoppedError
+
+if TYPE_CHECKING:
+    from pix2pred.registry import Registry
 
 _VERBS = (
     "init:init",
@@ -68,10 +72,10 @@ def _command_line() -> App:
 app = _command_line()
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str] | None = None, registry: Registry | None = None) -> None:
     """Run the command line and exit. SIGTERM ends it like Ctrl-C: what was begun is cleaned up; a second one kills."""
     signal.signal(signal.SIGTERM, _terminate)
-    sys.exit(run(argv))
+    sys.exit(run(argv, registry))
 
 
 def _terminate(number: int, _frame: FrameType | None) -> None:
@@ -79,10 +83,12 @@ def _terminate(number: int, _frame: FrameType | None) -> None:
     sys.exit(128 + number)
 
 
-def run(argv: Sequence[str] | None = None) -> int:
-    """Run the command line; gives the exit code."""
+def run(argv: Sequence[str] | None = None, registry: Registry | None = None) -> int:
+    """Run the command line; gives the exit code. Names are looked up in ``registry``, by default what is installed."""
     try:
-        result = app(argv, exit_on_error=False, print_error=False, result_action="return_value")
+        command, bound, others = app.parse_args(argv, exit_on_error=False, print_error=False)
+        passed = {"registry": registry or _installed()} if "registry" in others else {}
+        result = command(*bound.args, **bound.kwargs, **passed)
     except CycloptsError as error:
         return _complain(_in_options(error), "see 'pix2pred --help'")
     except KeyboardInterrupt:
@@ -96,6 +102,12 @@ def run(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _complain(f"{error.filename or ''}: {error.strerror or error}".lstrip(": "))
     return result if isinstance(result, int) else 0
+
+
+def _installed() -> Registry:
+    from pix2pred.registry import REGISTRY  # here, so that verbs that need none start faster
+
+    return REGISTRY
 
 
 def _in_options(error: CycloptsError) -> str:

@@ -11,13 +11,13 @@ from cyclopts import App, Parameter
 from rich.markup import escape
 from rich.table import Table
 
-from pix2pred.benchmark import Outcome, Run, SuiteError, load_suite, run_suite, status_of
+from pix2pred.benchmark import Run, SuiteError, TryOutcome, load_suite, run_suite, status_of
 from pix2pred.benchmark.claims import judge, load_claims
 from pix2pred.benchmark.report import write_into, write_report
 from pix2pred.benchmark.runner import expected
 from pix2pred.benchmark.tables import comparison, models_of
 from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
-from pix2pred.registry import Names
+from pix2pred.registry import Registry
 from pix2pred.system.parallel import Backend, Workers
 from pix2pred.vlm import StoreMode
 
@@ -38,6 +38,7 @@ def run(
         StoreMode.RESUME
     ),
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Run a suite; the same command goes on where an interrupted run stopped.
 
@@ -49,12 +50,12 @@ def run(
         done = run_suite(
             folder,
             chosen,
-            Names(),
+            registry,
             vlm=vlm,
             workers=Workers(jobs, backend),
             answers=answers,
             mode=mode,
-            progress=lambda n, total, text: progress("bench", n, total, text),
+            progress=progress,
         )
     if json:
         print_json({"run": str(folder), "rows": len(done.rows), "outcomes": _outcomes(done)})
@@ -70,12 +71,13 @@ def status(
     /,
     *,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """How far a run is, finished or not.
 
     Example: pix2pred bench status runs/bench-paper
     """
-    run = status_of(folder, Names())
+    run = status_of(folder, registry)
     tried, total = sum(row.task is not None for row in run.rows), expected(run)
     if json:
         print_json({"tried": tried, "of": total, "outcomes": _outcomes(run)})
@@ -90,6 +92,7 @@ def report(
     *folders: Path,
     write: Annotated[Path | None, Parameter(help="Document whose marked part to write, e.g. docs/results.md.")] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Tables, chart and published claims of one or more runs, in RUN/report and on the screen.
 
@@ -100,7 +103,7 @@ def report(
     today = datetime.now(tz=UTC).date().isoformat()
     verdicts: dict[str, dict[str, str]] = {}
     for folder in folders:
-        run = status_of(folder, Names())
+        run = status_of(folder, registry)
         path, problem = write_report(run, today)
         verdicts[str(folder)] = {c.id: judge(c, run).verdict.value for c in load_claims().claims}
         if write:
@@ -115,12 +118,12 @@ def report(
 
 
 @bench.command
-def compare(left: Path, right: Path, /) -> int:
+def compare(left: Path, right: Path, /, *, registry: Annotated[Registry, Parameter(parse=False)]) -> int:
     """Two runs side by side, over the tasks that both tried.
 
     Example: pix2pred bench compare runs/bench-paper runs/bench-paper-hosted
     """
-    runs = [status_of(folder, Names()) for folder in (left, right)]
+    runs = [status_of(folder, registry) for folder in (left, right)]
     for name, folder, run in zip("AB", (left, right), runs, strict=True):
         out.print(f"{name}: {folder}, {run.suite.name}, {', '.join(models_of(run))}", markup=False, soft_wrap=True)
     out.print("\n" + comparison(*runs), markup=False, soft_wrap=True)
@@ -129,7 +132,7 @@ def compare(left: Path, right: Path, /) -> int:
 
 def _outcomes(run: Run) -> dict[str, int]:
     counts = Counter(row.outcome for row in run.rows)
-    return {outcome.value: counts[outcome] for outcome in Outcome if counts[outcome]}
+    return {outcome.value: counts[outcome] for outcome in TryOutcome if counts[outcome]}
 
 
 def _print(run: Run) -> None:
@@ -146,5 +149,5 @@ def _cell(run: Run, approach: str, family: str) -> str:
     rows = [r for r in run.rows if (r.approach, r.family) == (approach, family)]
     tried = [r for r in rows if r.outcome.scored]
     if tried:
-        return f"{sum(r.outcome == Outcome.SOLVED for r in tried)} of {len(tried)}"
+        return f"{sum(r.outcome == TryOutcome.SOLVED for r in tried)} of {len(tried)}"
     return rows[0].outcome.value if rows else "not run"

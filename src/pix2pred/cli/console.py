@@ -15,6 +15,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 from rich.table import Table
 
 from pix2pred.structs import Operator
+from pix2pred.system.errors import Pix2predError
+from pix2pred.system.progress import Stage
 
 NOT_NEGATIVE = validators.Number(gte=0)
 POSITIVE = validators.Number(gte=1)
@@ -26,17 +28,20 @@ _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u20
 """Control characters, C1 included, and those that reorder text."""
 
 _STAGES = {
-    "generate": "Drawing demonstrations",
-    "propose": "Proposing predicates",
-    "label": "Labelling states",
-    "select": "Selecting predicates",
-    "doubt": "Looking for wrong labels",
-    "solve": "Solving tasks",
-    "bench": "Running the suite",
-    "score": "Scoring a set",
-    "photos": "Copying photos",
-    "import": "Taking pictures",
+    Stage.GENERATE: "Drawing demonstrations",
+    Stage.PHOTOS: "Copying photos",
+    Stage.IMPORT: "Taking pictures",
+    Stage.PROPOSE: "Proposing predicates",
+    Stage.LABEL: "Labelling states",
+    Stage.SELECT: "Selecting predicates",
+    Stage.DOUBT: "Looking for wrong labels",
+    Stage.SOLVE: "Solving tasks",
+    Stage.BENCH: "Running the suite",
 }
+
+
+class UsageError(Pix2predError, ValueError):
+    """Arguments that do not go together; the message says which do."""
 
 
 def plain(text: str) -> str:
@@ -53,16 +58,15 @@ def _pictured(match: re.Match[str]) -> str:
 
 
 class Bars:
-    """Progress bars, one per stage, in the order in which stages begin."""
+    """Implements ``Progress``: bars, one per stage, in the order in which stages begin."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
-        self._tasks: dict[str, TaskID] = {}
+        self._tasks: dict[Stage, TaskID] = {}
 
-    def __call__(self, stage: str, done: int, total: int, text: str) -> None:
-        """Move the bar of ``stage``."""
+    def __call__(self, stage: Stage, done: int, total: int, text: str) -> None:
         if stage not in self._tasks:
-            self._tasks[stage] = self._progress.add_task(_STAGES.get(stage, stage), total=total, note="")
+            self._tasks[stage] = self._progress.add_task(_STAGES[stage], total=total, note="")
         self._progress.update(self._tasks[stage], completed=done, total=total, note=escape(plain(text)))
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.cli.console import NOT_NEGATIVE, bars, err, out, print_json
-from pix2pred.cli.learn import resolve_settings
+from pix2pred.cli.learn import estimated, project_settings
 from pix2pred.demos import (
     Problem,
     Project,
@@ -18,8 +18,9 @@ from pix2pred.demos import (
     write_project,
     write_schemas,
 )
-from pix2pred.pipeline import ask_everything
-from pix2pred.registry import RegistryError, check_family, load_domain, load_estimator
+from pix2pred.registry import Registry, check_family
+from pix2pred.settings import SettingsError
+from pix2pred.system.progress import Stage
 from pix2pred.vlm import AnswerStore
 from pix2pred.vlm.model_spec import FORMS
 
@@ -37,20 +38,21 @@ def generate(
     out: Annotated[Path, Parameter(name="--out", help="Folder to write.")],
     overwrite: Annotated[bool, Parameter(help="Replace a project that is already there.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Write demonstrations and test tasks of a simulated domain as a project folder.
 
     Example: pix2pred generate burger --family more-stacks --seed 0 --out data/stacks
     """
-    made = load_domain(domain)
+    made = registry.domain(domain)
     family = family or made.families[0]
     check_family(made, family)
     with bars() as progress:
-        progress("generate", 0, 2, "demonstrations")
+        progress(Stage.GENERATE, 0, 2, "demonstrations")
         demos = made.demonstrations(family, seed)
-        progress("generate", 1, 2, "tasks")
+        progress(Stage.GENERATE, 1, 2, "tasks")
         unseen = made.tasks(family, seed, tasks)
-        progress("generate", 2, 2, "")
+        progress(Stage.GENERATE, 2, 2, "")
     write_project(
         out,
         made.vocabulary(family),
@@ -76,6 +78,7 @@ def check(
     ] = None,
     cost: Annotated[bool, Parameter(help="Reckon what learning would ask and cost; nothing is sent.")] = True,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Say everything that is wrong with a project folder, what will hurt later, and what learning would cost.
 
@@ -88,7 +91,7 @@ def check(
     estimate, not_known = None, ""
     if found.project and cost and not problems:
         try:
-            estimate = _estimate(found.project, vlm)
+            estimate = _estimate(registry, found.project, vlm)
         except (ValueError, ImportError) as error:  # no pictures yet, or a simulator that is not installed here
             if vlm:
                 raise
@@ -112,8 +115,8 @@ def check(
 def _settings_problems(directory: Path, project: Project) -> list[Problem]:
     """What is wrong with the project's settings for learning."""
     try:
-        resolve_settings(project, None)
-    except RegistryError as error:
+        project_settings(project)
+    except SettingsError as error:
         return [Problem(directory / "domain.yaml", None, str(error))]
     return []
 
@@ -122,13 +125,12 @@ def _rows(problems: Sequence[Problem]) -> list[dict[str, str | int | None]]:
     return [{"file": str(p.file), "line": p.line, "message": p.message} for p in problems]
 
 
-def _estimate(project: Project, vlm: str | None) -> dict[str, Any]:
+def _estimate(registry: Registry, project: Project, vlm: str | None) -> dict[str, Any]:
     """What learning with the project's own settings would ask, none of it stored yet."""
     domain = (project.simulator or {}).get("domain")
-    spec = vlm or ("offline" if domain and load_domain(domain).reader else EXAMPLE_MODEL)
-    estimator = load_estimator(spec, domain, AnswerStore(Path("no-answers")))
-    ask_everything(project.vocabulary, project.demos, estimator, resolve_settings(project, None))
-    return {**estimator.as_dict(), "asked_of": spec}
+    spec = vlm or ("offline" if domain and registry.domain(domain).reader else EXAMPLE_MODEL)
+    settings = project_settings(project)
+    return {**estimated(registry, project, settings, spec, AnswerStore(Path("no-answers"))), "asked_of": spec}
 
 
 def _said(estimate: Mapping[str, Any]) -> str:

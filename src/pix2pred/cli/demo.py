@@ -9,17 +9,17 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, err, out, print_json, print_solved
+from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, UsageError, err, out, print_json, print_solved
 from pix2pred.cli.data import generate
-from pix2pred.cli.learn import resolve_settings, run_learning
+from pix2pred.cli.learn import Asking, project_settings, run_learning
 from pix2pred.cli.solve import run_solving
 from pix2pred.demos import read_project, read_tasks
 from pix2pred.recordings import Recording, load_recording
-from pix2pred.registry import RegistryError
+from pix2pred.registry import Registry
 from pix2pred.report import write_report
 from pix2pred.runs.folder import RunFolder
+from pix2pred.settings import of_file
 from pix2pred.structs.environment import SimulatedTask
-from pix2pred.vlm import StoreMode
 
 READER_FAMILY, RECORDED_FAMILY = "more-stacks", "combo"
 """What is shown when no family is named, by the offline reader and by the recorded model."""
@@ -49,6 +49,7 @@ def demo(
     recorded: Annotated[bool, Parameter(help="Replay a large model's own answers instead of the reader.")] = False,
     out_dir: Annotated[Path, Parameter(name="--out", help="Folder for data and run.")] = Path("runs/demo"),
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Learn a world model from demonstrations and solve unseen tasks, without key or network.
 
@@ -61,12 +62,12 @@ def demo(
     """
     if recorded:
         recording = load_recording(family or RECORDED_FAMILY)
-        shown = _recorded(recording, out_dir, min(count, recording.about.tasks))
+        shown = _recorded(registry, recording, out_dir, min(count, recording.about.tasks))
         _say_what_it_proves(recording)
     else:
-        shown = _read(family or READER_FAMILY, seed, out_dir, count)
+        shown = _read(registry, family or READER_FAMILY, seed, out_dir, count)
         err.print("The offline reader is a set of small classifiers trained on pictures of this domain, not a VLM.")
-    metrics, summary, report = _learn_and_solve(shown, quiet=json)
+    metrics, summary, report = _learn_and_solve(registry, shown, quiet=json)
     run = shown.base / "run"
     if json:
         print_json({"run": str(run), "learn": metrics, "solve": summary})
@@ -77,21 +78,28 @@ def demo(
     return 0 if summary["solved"] == summary["tasks"] else 1
 
 
-def _read(family: str, seed: int, out_dir: Path, count: int) -> _Shown:
+def _read(registry: Registry, family: str, seed: int, out_dir: Path, count: int) -> _Shown:
     base = out_dir / f"burger-{family}-seed{seed}"
     if not (base / "data" / "domain.yaml").exists():
-        generate("burger", family=family, seed=seed, tasks=count, out=base / "data", json=False)
+        generate("burger", family=family, seed=seed, tasks=count, out=base / "data", json=False, registry=registry)
     return _Shown(base, "burger", family, seed, "offline", None, count)
 
 
-def _recorded(recording: Recording, out_dir: Path, count: int) -> _Shown:
+def _recorded(registry: Registry, recording: Recording, out_dir: Path, count: int) -> _Shown:
     about, base = recording.about, out_dir / f"recorded-{recording.name}"
     recording.unpack_answers(base / "answers")
     if not (base / "data" / "domain.yaml").exists():
         if recording.brings_data:
             recording.unpack_data(base / "data")
         else:
-            generate(about.domain, family=about.family, seed=about.seed, tasks=about.tasks, out=base / "data")
+            generate(
+                about.domain,
+                family=about.family,
+                seed=about.seed,
+                tasks=about.tasks,
+                out=base / "data",
+                registry=registry,
+            )
     vlm = f"replay:{base / 'answers'}"
     return _Shown(base, about.domain, about.family, about.seed, vlm, recording.settings, count)
 
@@ -103,20 +111,20 @@ def _say_what_it_proves(recording: Recording) -> None:
         err.print(title, *(f"  {' '.join(sentence.split())}" for sentence in sentences), sep="\n", markup=False)
 
 
-def _learn_and_solve(shown: _Shown, *, quiet: bool) -> tuple[dict[str, Any], dict[str, Any], Path]:
+def _learn_and_solve(registry: Registry, shown: _Shown, *, quiet: bool) -> tuple[dict[str, Any], dict[str, Any], Path]:
     """The summaries of learning and of solving, and where the report lies."""
     data, run = shown.base / "data", shown.base / "run"
     project = read_project(data)
-    settings = resolve_settings(project, shown.config)
-    metrics = run_learning(project, settings, shown.vlm, run, None, StoreMode.RESUME, quiet=quiet)
+    stored = read_tasks(data, project.vocabulary)[: shown.tasks]
+    if len(stored) < shown.tasks:
+        raise UsageError(f"{data}: holds {len(stored)} tasks; for {shown.tasks} choose another --out or delete it")
+    tasks = [SimulatedTask(s.task, s.simulator or {}) for s in stored]
+    settings = project_settings(project, *([of_file(shown.config)] if shown.config else []))
+    metrics = run_learning(registry, project, settings, Asking(shown.vlm), run, quiet=quiet)
     with RunFolder(run).locked() as folder:
-        solver, _ = load_solver(folder, "portfolio")
-        stored = read_tasks(data, solver.model.vocabulary)[: shown.tasks]
-        if len(stored) < shown.tasks:
-            raise RegistryError(
-                f"{data}: holds {len(stored)} tasks; for {shown.tasks} choose another --out or delete it"
-            )
-        tasks = [SimulatedTask(s.task, s.simulator or {}) for s in stored]
-        summary = run_solving(folder, f"{shown.domain}-{shown.family}-seed{shown.seed}", tasks, solver, shown.domain)
+        solver, _ = load_solver(folder, "portfolio", registry=registry)
+        summary = run_solving(
+            registry, folder, f"{shown.domain}-{shown.family}-seed{shown.seed}", tasks, solver, shown.domain
+        )
         report = write_report(folder)
     return metrics, summary, report

@@ -12,6 +12,7 @@ from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
 from pix2pred.demos import DOMAIN, inspect_project
 from pix2pred.demos.authoring import MAX_SIDE, Declarations, Draft, Order, domain_text, write_drafts
 from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos, read_sidecar
+from pix2pred.system.progress import Stage
 
 imports = App(name="import")
 
@@ -98,7 +99,7 @@ def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: 
         def tell(name: str, _written: int, _of: int) -> None:
             nonlocal done
             done += 1
-            progress("import", done, total, name)
+            progress(Stage.IMPORT, done, total, name)
 
         write_drafts(project, drafts, domain, overwrite=overwrite, tell=tell)
     problems = inspect_project(project).problems

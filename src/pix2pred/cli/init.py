@@ -25,6 +25,7 @@ from pix2pred.demos.authoring import (
     write_drafts,
 )
 from pix2pred.demos.importers import drafts_of_frames
+from pix2pred.system.progress import Stage
 
 _TO_FILL_IN = "An example to fill in. Put the photo of each state at images/0/main.jpg, images/1/main.jpg, and so on."
 
@@ -117,7 +118,7 @@ def _write(directory: Path, drafts: Sequence[Draft], declared: Declarations, *, 
             nonlocal done
             done += 1
             if shown:
-                progress("photos", done, total, name)
+                progress(Stage.PHOTOS, done, total, name)
 
         name = directory.resolve().name or "project"
         write_drafts(directory, drafts, domain_text(name, declared), overwrite=overwrite, tell=tell)

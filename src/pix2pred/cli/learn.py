@@ -2,24 +2,44 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import yaml
 from cyclopts import Parameter
-from pydantic import ValidationError
 
-from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, err, print_estimated, print_json, print_learned
+from pix2pred.cli.console import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    UsageError,
+    bars,
+    err,
+    print_estimated,
+    print_json,
+    print_learned,
+)
 from pix2pred.demos import Project, project_digest, read_project
-from pix2pred.pipeline import Settings, ask_everything
-from pix2pred.registry import NO_LIMITS, Limits, RegistryError, load_estimator, load_stored
+from pix2pred.pipeline import LearningProblem, ask
+from pix2pred.registry import NO_LIMITS, Registry, Spending
 from pix2pred.report import REPORT, write_report
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.learn import learn_into, relearn
-from pix2pred.vlm import AnswerStore, CountingVLM, StoreMode
+from pix2pred.settings import Layer, Settings, of_file, of_options, of_project, resolve
+from pix2pred.vlm import AnswerStore, StoreMode
 from pix2pred.vlm.model_spec import FORMS
 
 
+@dataclass(frozen=True, slots=True)
+class Asking:
+    """Which model is asked, where its answers are kept, and what may be spent."""
+
+    vlm: str = "offline"
+    answers: Path | None = None
+    mode: StoreMode = StoreMode.RESUME
+    limits: Spending = NO_LIMITS
+
+
+# longer than other functions: every option with its help
 def learn(
     data: Path | None = None,
     /,
@@ -47,6 +67,7 @@ def learn(
     max_cost: Annotated[float | None, Parameter(help="Stop before spending more US dollars than this.")] = None,
     dry_run: Annotated[bool, Parameter(help="Print what would be asked and what it may cost; ask nothing.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Learn a world model from the demonstrations in a project folder.
 
@@ -62,26 +83,28 @@ def learn(
             "--votes": votes, "--concurrent": concurrent, "--max-requests": max_requests, "--max-cost": max_cost,
             "--dry-run": dry_run or None,
         }  # fmt: skip
-        unused = [name for name, value in given.items() if value is not None]
-        if unused:
-            raise RegistryError(
-                f"--resume RUN asks no model and takes everything from the run folder; leave out {', '.join(unused)}"
-                ", or learn into a new folder with --out"
-            )
-        metrics = run_relearning(resume, quiet=json)
-        if json:
-            print_json(metrics)
+        _learn_again(resume, [name for name, value in given.items() if value is not None], as_json=json)
         return 0
     if data is None or out is None:
-        raise RegistryError("name the data and a run folder: pix2pred learn DATA --out RUN")
+        raise UsageError("name the data and a run folder: pix2pred learn DATA --out RUN")
     if any(out.resolve().is_relative_to((data / part).resolve()) for part in ("demos", "tasks")):
-        raise RegistryError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
+        raise UsageError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
+    options = of_options(
+        {
+            ("labels", "votes"): votes,
+            ("flow", "concurrent"): concurrent,
+            ("labels", "longest_side"): longest_side,
+            ("proposal", "longest_side"): longest_side,
+        }
+    )
     project = read_project(data)
-    settings = resolve_settings(project, config, votes, concurrent, longest_side)
-    vlm, mode = vlm or "offline", mode or StoreMode.RESUME
+    settings = project_settings(project, *([of_file(config)] if config else []), options)
+    asking = Asking(vlm or "offline", answers, mode or StoreMode.RESUME, Spending(max_requests, max_cost))
     if dry_run:
-        return print_estimate(project, settings, vlm, AnswerStore(answers or out), as_json=json)
-    metrics = run_learning(project, settings, vlm, out, answers, mode, Limits(max_requests, max_cost), quiet=json)
+        estimate = estimated(registry, project, settings, asking.vlm, AnswerStore(answers or out))
+        print_json(estimate) if json else print_estimated(estimate)
+        return 0
+    metrics = run_learning(registry, project, settings, asking, out, quiet=json)
     if json:
         print_json(metrics)
     else:
@@ -90,100 +113,62 @@ def learn(
 
 
 def run_learning(
-    project: Project,
-    settings: Settings,
-    vlm: str,
-    out: Path,
-    answers: Path | None,
-    mode: StoreMode,
-    limits: Limits = NO_LIMITS,
-    *,
-    quiet: bool,
+    registry: Registry, project: Project, settings: Settings, asking: Asking, out: Path, *, quiet: bool
 ) -> dict[str, Any]:
     """Learn into the run folder ``out`` with progress bars; gives the summary."""
     domain = (project.simulator or {}).get("domain")
-    store = AnswerStore(answers or out)
+    store = AnswerStore(asking.answers or out)
     store.check()
-    model = load_stored(vlm, domain, store, mode, settings.flow, limits)
+    model = registry.stored(asking.vlm, domain, store, asking.mode, settings.flow, asking.limits)
     with RunFolder(out).locked() as run:
         run.claim(
             {
                 "data": project_digest(project),
-                "vlm": vlm,
+                "vlm": asking.vlm,
                 "model": model.name,
                 "simulator": dict(project.simulator or {}),
                 "settings": settings.model_dump(mode="json", exclude={"flow"}),  # how to ask changes no result
-                "answers": str(answers.resolve()) if answers else None,
+                "answers": str(asking.answers.resolve()) if asking.answers else None,
             }
         )
-        counting = CountingVLM(model)
-        if vlm.startswith("mailbox:"):
-            folder = vlm.partition(":")[2]
+        if asking.vlm.startswith("mailbox:"):
+            folder = asking.vlm.partition(":")[2]
             err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
         with bars() as progress:
-            learned, metrics = learn_into(run, project.vocabulary, project.demos, counting, settings, progress)
+            problem = LearningProblem(project.vocabulary, project.demos, model, settings, progress)
+            learned = learn_into(run, problem)
         write_report(run)
     if not quiet:
-        print_learned(metrics, learned.model.operators)
-        err.print(counting.usage.line(), markup=False)
-    return metrics
+        print_learned(learned.metrics, learned.selected.model.operators)
+        err.print(learned.usage, markup=False)
+    return learned.metrics
 
 
-def run_relearning(folder: Path, *, quiet: bool) -> dict[str, Any]:
-    """Learn again in a finished run with progress bars; gives the summary."""
+def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:
+    """Learn again in a finished run with progress bars."""
+    if unused:
+        raise UsageError(
+            f"--resume RUN asks no model and takes everything from the run folder; leave out {', '.join(unused)}"
+            ", or learn into a new folder with --out"
+        )
     RunFolder(folder).config()
     with RunFolder(folder).locked() as run:
         with bars() as progress:
-            selected, metrics = relearn(run, progress)
+            learned = relearn(run, progress)
         write_report(run)
-    if not quiet:
-        print_learned(metrics, selected.model.operators)
-    return metrics
-
-
-def print_estimate(project: Project, settings: Settings, vlm: str, store: AnswerStore, *, as_json: bool) -> int:
-    """What a run would ask."""
-    estimator = load_estimator(vlm, (project.simulator or {}).get("domain"), store)
-    ask_everything(project.vocabulary, project.demos, estimator, settings)
-    estimate = estimator.as_dict()
     if as_json:
-        print_json(estimate)
+        print_json(learned.metrics)
     else:
-        print_estimated(estimate)
-    return 0
+        print_learned(learned.metrics, learned.selected.model.operators)
 
 
-def resolve_settings(
-    project: Project,
-    config: Path | None,
-    votes: int | None = None,
-    concurrent: int | None = None,
-    longest_side: int | None = None,
-) -> Settings:
-    """Defaults, overridden by the project's ``learning`` section, by ``config``, and by options."""
-    given: dict[str, Any] = {"learning": dict(project.learning)}
-    if config is not None:
-        try:
-            loaded = yaml.safe_load(config.read_text(encoding="utf-8")) or {}
-        except (ValueError, yaml.YAMLError) as error:
-            raise RegistryError(f"{config}: cannot be read as YAML ({' '.join(str(error).split())[:200]})") from error
-        if not isinstance(loaded, dict):
-            raise RegistryError(f"{config}: expected settings such as 'learning: {{j_threshold: 100}}'")
-        for section, values in loaded.items():
-            merge = isinstance(values, dict) and isinstance(given.get(section), dict)
-            given[section] = {**given[section], **values} if merge else values
-    for section, name, value in (
-        ("labels", "votes", votes),
-        ("flow", "concurrent", concurrent),
-        ("labels", "longest_side", longest_side),
-        ("proposal", "longest_side", longest_side),
-    ):
-        if value is not None:
-            given[section] = {**(given.get(section) or {}), name: value}
-    try:
-        return Settings.model_validate(given)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        source = config or "the learning section of domain.yaml"
-        raise RegistryError(f"{source}: {where}: {first['msg']} (found {first['input']!r})") from error
+def project_settings(project: Project, *layers: Layer) -> Settings:
+    """Defaults, overridden by the project's ``learning`` section and then by ``layers``. Raises ``SettingsError``."""
+    return resolve(of_project(project.learning), *layers)
+
+
+def estimated(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> dict[str, Any]:
+    """What a run would ask, by stage and in all."""
+    estimator = registry.estimator(vlm, (project.simulator or {}).get("domain"), store)
+    ask(LearningProblem(project.vocabulary, project.demos, estimator, settings))
+    return estimator.as_dict()

@@ -13,6 +13,7 @@ from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_m
 from pix2pred.demos import read_task
 from pix2pred.execution import PlannedScene, plan_scene
 from pix2pred.execution.explaining.wording import in_words
+from pix2pred.registry import Registry
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, plan_document
@@ -42,6 +43,7 @@ def plan(
     photos: Annotated[Path | None, Parameter(help="Take the photos from this folder as they appear there.")] = None,
     retake: Annotated[bool, Parameter(help="Forget the last photo of an interrupted execution.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Label the photos of a new scene, plan, and write plan, PDDL, and a page that explains what the plan rests on.
 
@@ -55,7 +57,7 @@ def plan(
     pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea
     """
     RunFolder(run).config()
-    solver, config = load_solver(RunFolder(run), planner, vlm=vlm)
+    solver, config = load_solver(RunFolder(run), planner, vlm=vlm, registry=registry)
     stored = read_task(task, solver.model.vocabulary)
     spec = vlm or config["vlm"]
     if spec.startswith("mailbox:"):

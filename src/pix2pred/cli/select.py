@@ -62,7 +62,7 @@ def select(
         else:
             with Workers(jobs, backend).ready() as apply:
                 climb = hill_climbing(traces.table, settings, apply)
-                selection = climb.run(lambda done, total, name: progress("select", done, total, name))
+                selection = climb.run(progress)
             document, scored = selection_document(selection, settings), selection.scored
     seconds = {"cpu": time.process_time() - cpu, "wall": time.perf_counter() - wall}
     _write(out, document)

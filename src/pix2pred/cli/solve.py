@@ -10,14 +10,14 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, bars, out, print_json, print_solved
+from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, UsageError, bars, out, print_json, print_solved
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.execution.film import Film
-from pix2pred.registry import RegistryError, check_family, load_domain, word_truth
+from pix2pred.registry import Registry, check_family
 from pix2pred.report import write_report
 from pix2pred.runs.folder import RunFolder
-from pix2pred.runs.learn import solve_into
+from pix2pred.runs.solve import solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
 
@@ -39,26 +39,27 @@ def solve(
     video: Annotated[Path | None, Parameter(help="MP4 file to film the episodes into (extra: video).")] = None,
     plan_only: Annotated[bool, Parameter(help="Label and plan; execute nothing, need no simulator.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Solve unseen tasks in the simulator with the world model of a run folder.
 
     Example: pix2pred solve runs/stacks --domain burger --family more-stacks --seed 1 --count 10
     """
     if not 0 <= disturb <= 1:
-        raise RegistryError(f"--disturb {disturb}: a probability lies between 0 and 1")
+        raise UsageError(f"--disturb {disturb}: a probability lies between 0 and 1")
     RunFolder(run).config()
     with RunFolder(run).locked() as folder:
-        solver, config = load_solver(folder, planner, closed_loop=closed_loop)
+        solver, config = load_solver(folder, planner, closed_loop=closed_loop, registry=registry)
         domain = domain or config["simulator"].get("domain")
         family = family or config["simulator"].get("family")
-        chosen, name = _tasks(tasks, solver, domain, family, seed, count, plan_only=plan_only)
+        chosen, name = _tasks(registry, tasks, solver, domain, family, seed, count, plan_only=plan_only)
         if plan_only:
             return _plan(folder, name, chosen, solver, as_json=json)
         if domain is None:
-            raise RegistryError(f"{run}: no simulator is known for these tasks; name one with --domain, or --plan-only")
+            raise UsageError(f"{run}: no simulator is known for these tasks; name one with --domain, or --plan-only")
         if closed_loop or disturb:
             name += ("-closed-loop" if closed_loop else "") + (f"-disturb-{disturb:g}" if disturb else "")
-        summary = run_solving(folder, name, chosen, solver, domain, disturb, video)
+        summary = run_solving(registry, folder, name, chosen, solver, domain, disturb, video)
         write_report(folder)
     if json:
         print_json(summary)
@@ -68,6 +69,7 @@ def solve(
 
 
 def run_solving(
+    registry: Registry,
     folder: RunFolder,
     name: str,
     tasks: Sequence[SimulatedTask],
@@ -77,27 +79,24 @@ def run_solving(
     video: Path | None = None,
 ) -> dict[str, Any]:
     """Solve with progress bars; gives the summary. The episodes are filmed into ``video``."""
-    made = load_domain(domain)
+    made = registry.domain(domain)
 
     def environment_for(task: SimulatedTask) -> tuple[Environment, TruthOf | None]:
         try:
             environment = made.environment(task.task, task.simulator, disturb)
         except ValueError as error:
-            raise RegistryError(f"task {task.task.name}: simulator.json: {error}; --plan-only needs none") from error
-        return environment, None if disturb else word_truth(made, environment)
+            raise UsageError(f"task {task.task.name}: simulator.json: {error}; --plan-only needs none") from error
+        return environment, None if disturb else registry.truth(made, environment)
 
     for task in tasks:
         environment_for(task)  # before anything is asked or executed
     with bars() as progress, Film(video) if video else nullcontext() as film:
-
-        def show(done: int, total: int, text: str) -> None:
-            progress("solve", done, total, text)
-
-        solved = solve_into(folder, name, tasks, solver, environment_for, show, film)
+        solved = solve_into(folder, name, tasks, solver, environment_for, progress, film)
     return solved.as_dict()
 
 
 def _tasks(
+    registry: Registry,
     directory: Path | None,
     solver: Solver,
     domain: str | None,
@@ -110,8 +109,8 @@ def _tasks(
     """The tasks asked for and a name for the results."""
     if directory is None:
         if domain is None or family is None:
-            raise RegistryError("name the tasks: --tasks DIR, or --domain and --family of a simulator")
-        made = load_domain(domain)
+            raise UsageError("name the tasks: --tasks DIR, or --domain and --family of a simulator")
+        made = registry.domain(domain)
         check_family(made, family)
         return list(made.tasks(family, seed, count)), f"{domain}-{family}-seed{seed}"
     stored = read_tasks(directory, solver.model.vocabulary)

@@ -7,9 +7,7 @@ from pathlib import Path
 from pix2pred.report.contents import load_contents
 from pix2pred.report.page import render
 from pix2pred.runs.folder import RunFolder
-
-REPORT = "report.html"
-"""Where a run keeps it."""
+from pix2pred.runs.layout import REPORT
 
 __all__ = ["REPORT", "load_contents", "render", "write_report"]
 

@@ -10,11 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from pix2pred.learning import Support, load_traces, operator_support
-from pix2pred.predicates import CORRECTIONS, EVIDENCE, Corrections, ground_atoms
+from pix2pred.predicates import Corrections, ground_atoms
 from pix2pred.predicates.corrections import Row, read_rows, with_atoms
 from pix2pred.predicates.labelling.evidence import Evidence, load_evidence
 from pix2pred.runs.folder import RunFolder, RunFolderError
-from pix2pred.runs.learn import ADVICE, AS_SAID, HISTORY, MODEL
+from pix2pred.runs.layout import (
+    ADVICE,
+    AS_SAID,
+    CORRECTIONS,
+    EVIDENCE,
+    HISTORY,
+    METRICS,
+    MODEL,
+    PROPOSALS,
+    SELECTION,
+    SOLVED,
+    SUMMARY,
+    TIMINGS,
+    TRACES,
+)
 from pix2pred.structs import TruthTable, WorldModel
 from pix2pred.structs.formats.world_model import load_model
 
@@ -77,9 +91,7 @@ def load_contents(run: RunFolder) -> Contents:
     """Read a run. Raises ``RunFolderError`` for a folder without a finished run."""
     path = run.path
     config = run.config()
-    missing = [
-        n for n in (MODEL, AS_SAID, EVIDENCE, ADVICE, "selection.json", "metrics.json") if not (path / n).exists()
-    ]
+    missing = [n for n in (MODEL, AS_SAID, EVIDENCE, ADVICE, SELECTION, METRICS) if not (path / n).exists()]
     if missing:
         raise RunFolderError(f"{path / missing[0]}: is missing; finish the run with 'pix2pred learn DATA --out {path}'")
     return Contents(
@@ -87,15 +99,15 @@ def load_contents(run: RunFolder) -> Contents:
         config,
         load_model(path / MODEL),
         load_traces(path / AS_SAID).table,
-        load_traces(path / "labels/traces.json").table,
+        load_traces(path / TRACES).table,
         load_evidence(path / EVIDENCE),
         _json(path / ADVICE),
-        _json(path / "selection.json"),
-        _json(path / "metrics.json"),
-        _json(path / "timings.json") if (path / "timings.json").exists() else {},
-        _json(path / "proposals.json") if (path / "proposals.json").exists() else [],
+        _json(path / SELECTION),
+        _json(path / METRICS),
+        _json(path / TIMINGS) if (path / TIMINGS).exists() else {},
+        _json(path / PROPOSALS) if (path / PROPOSALS).exists() else [],
         [_json(p) for p in sorted((path / HISTORY).glob("*.json"))],
-        {p.parent.name: _json(p) for p in sorted((path / "solve").glob("*/summary.json"))},
+        {p.parent.name: _json(p) for p in sorted((path / SOLVED).glob(f"*/{SUMMARY}"))},
         read_rows(path / CORRECTIONS),
     )
 

@@ -40,8 +40,8 @@ class ReviewServer(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, run: RunFolder, port: int = 0) -> None:
-        self.session = Session(run)
+    def __init__(self, run: RunFolder, port: int = 0, session: Session | None = None) -> None:
+        self.session = session or Session(run)
         self.token = secrets.token_urlsafe(24)
         super().__init__((LOOPBACK, port), _Handler)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from collections.abc import Callable
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -15,17 +16,23 @@ from pix2pred.report import load_contents, write_report
 from pix2pred.report.page import as_json
 from pix2pred.review.log import CorrectionLog, now
 from pix2pred.runs.folder import RunFolder
-from pix2pred.runs.learn import AS_SAID, relearn
+from pix2pred.runs.layout import AS_SAID
+from pix2pred.runs.learn import LearnedRun, relearn
+from pix2pred.system.progress import Progress, Stage
 
 _BODY: TypeAdapter[list[dict[str, Any]]] = TypeAdapter(list[dict[str, Any]])
+
+LearnAgain = Callable[[RunFolder, Progress], LearnedRun]
+"""What the page's button does to a run."""
 
 
 class Session:
     """The corrections and the learning of one run; methods may be called from any thread."""
 
-    def __init__(self, run: RunFolder) -> None:
+    def __init__(self, run: RunFolder, learn_again: LearnAgain = relearn) -> None:
         load_contents(run)  # raises for a run that cannot be shown
         self.run = run
+        self._learn_again = learn_again
         self.log = CorrectionLog(run.path, load_traces(run.path / AS_SAID).table)
         self._lock = threading.Lock()
         self._learning = ""
@@ -62,14 +69,14 @@ class Session:
         return self.state()
 
     def _learn(self) -> None:
-        def progress(stage: str, done: int, total: int, text: str) -> None:
+        def progress(stage: Stage, done: int, total: int, text: str) -> None:
             with self._lock:
                 self._learning = f"{stage} {done} of {total}"
 
         error = ""
         try:
             with self.run.locked() as run:
-                relearn(run, progress)
+                self._learn_again(run, progress)
                 with self._lock:
                     self._learning = "writing the report"
                 write_report(run)

@@ -1,22 +1,7 @@
-"""The folder of a run: what was asked, what came of it, and nothing half-written.
+"""The folder of a run: locked while somebody works in it, claimed for one configuration, nothing half-written.
 
-    config.yaml                  the resolved settings, the data and the model that labelled it
-    answers/, blobs/             the answer store (unless another one was named)
-    proposals.json               accepted and rejected atoms per demonstration
-    labels/as_said.json          the truth table as the model gave it
-    labels/evidence.json         its explanations, and the pictures and boxes it saw
-    corrections.jsonl            what a person set right, a row each; only ever appended to
-    labels/traces.json           the corrected truth table, readable by ``pix2pred select``
-    labels/doubts.json           labels that are probably wrong, the most useful to check first
-    selection.json               the climb, step by step
-    history/<n>.json             the same as it was with the first n corrections
-    model/                       world_model.json, domain.pddl, samplers.npz (for skills with continuous parameters)
-    metrics.json, timings.json   counts; seconds and queries
-    solve/<name>/<task>.json     one file per episode
-    report.html                  all of it to look at, made anew after every command; previews/ are its pictures
-
-Every file is written under another name and renamed. All but ``timings.json`` and
-corrections have the same bytes for the same inputs.
+``layout`` lists the files. Every file is written under another name and renamed. All but timings, corrections and the
+report have the same bytes for the same inputs.
 """
 
 from __future__ import annotations
@@ -29,8 +14,9 @@ from typing import Any
 
 import yaml
 
+from pix2pred.runs.layout import CONFIG, CORRECTIONS, LOCK
 from pix2pred.system.errors import Pix2predError
-from pix2pred.system.files import remove_abandoned, write_whole
+from pix2pred.system.files import refuse_irregular, remove_abandoned, write_whole
 from pix2pred.system.locks import LockedError, held
 
 
@@ -51,15 +37,16 @@ class RunFolder:
             self.path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise RunFolderError(f"{self.path}: cannot be used as a run folder ({error.strerror})") from error
-        path = self.path / ".lock"
+        path = self.path / LOCK
         is_new = not path.exists()
         with ExitStack() as stack:
             try:
+                refuse_irregular(self.path / CORRECTIONS)
                 stack.enter_context(held(path, wait=False))
             except LockedError as error:
                 raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
             except OSError as error:
-                raise RunFolderError(f"{path}: {error.strerror}; a run is locked with this file") from error
+                raise RunFolderError(f"{error.filename}: {error.strerror}") from error
             try:
                 yield self
             except RunFolderError:
@@ -71,14 +58,12 @@ class RunFolder:
     def claim(self, config: Mapping[str, Any]) -> None:
         """Record ``config``, or check that the folder was made with the same one and can be resumed."""
         text = yaml.safe_dump(dict(config), sort_keys=True, allow_unicode=True)
-        path = self.path / "config.yaml"
+        path = self.path / CONFIG
         if not path.exists():
-            foreign = [
-                p.name for p in self.path.iterdir() if p.name != ".lock" and not p.name.startswith(".config.yaml.")
-            ]
+            foreign = [p.name for p in self.path.iterdir() if p.name != LOCK and not p.name.startswith(".config.yaml.")]
             if foreign:
                 raise RunFolderError(f"{self.path}: is not a run folder and not empty ({sorted(foreign)[0]} is in it)")
-            self.write("config.yaml", text)
+            self.write(CONFIG, text)
             return
         found = self.config()
         remove_abandoned(self.path)
@@ -105,7 +90,7 @@ class RunFolder:
 
     def config(self) -> dict[str, Any]:
         """What the run was made with. Raises ``RunFolderError`` when the folder holds no run."""
-        path = self.path / "config.yaml"
+        path = self.path / CONFIG
         if not path.is_file():
             raise RunFolderError(f"{self.path}: holds no run (no config.yaml); make one with 'pix2pred learn'")
         try:

@@ -112,3 +112,37 @@ class Domain(Protocol):
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> Environment:
         """A fresh episode of a task; ``disturb`` is the probability that the scene is disturbed after a skill."""
         ...
+
+
+@runtime_checkable
+class KnowsTruth(Protocol):
+    """A domain that knows what visual predicates mean. Used once a task has failed, to name the cause, never before."""
+
+    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool | None:
+        """Whether ``concept`` is true of the objects called ``names`` in the environment's present state.
+
+        ``concept`` is what the reader's word list calls the meaning of a phrase; for a domain without a reader it is
+        the phrase itself. ``None`` for concepts without a ground truth.
+        """
+        ...
+
+
+@runtime_checkable
+class Replayable(Protocol):
+    """A domain that gives the start of each demonstration, so that its states can be visited again.
+
+    With the truth of words this tells a wrong label in a demonstration from a wrong model.
+    """
+
+    def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
+        """The initial states of ``demonstrations(family, seed)``, in the same order."""
+        ...
+
+
+@runtime_checkable
+class Sized(Protocol):
+    """A domain that makes test tasks of a chosen size, for the sweep over ``items``."""
+
+    def sized_tasks(self, family: str, seed: int, count: int, items: int) -> Sequence[SimulatedTask]:
+        """``count`` tasks with ``items`` movable things. Raises ``ValueError`` when the family has none."""
+        ...

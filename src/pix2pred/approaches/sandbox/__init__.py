@@ -1,5 +1,5 @@
 """Running classifiers that a model wrote: allow-listed syntax, in a process that can do nothing but compute."""
 
-from pix2pred.approaches.sandbox.process import CodeError, Limits, SandboxError, Scene, run_classifier
+from pix2pred.approaches.sandbox.process import CodeError, SandboxError, SandboxLimits, run_classifier
 
-__all__ = ["CodeError", "Limits", "SandboxError", "Scene", "run_classifier"]
+__all__ = ["CodeError", "SandboxError", "SandboxLimits", "Scene", "run_classifier"]

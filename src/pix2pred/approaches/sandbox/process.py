@@ -7,11 +7,12 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.structs import Object, Type
+from pix2pred.structs.samplers import Features
 from pix2pred.system.errors import Pix2predError
 
 CHILD = Path(__file__).with_name("child.py")
@@ -26,7 +27,7 @@ class SandboxError(Pix2predError, RuntimeError):
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class SandboxLimits:
     """What a classifier may use for all its queries together.
 
     ``steps`` (executed instructions) decide first and are the same on every machine; processor and wall seconds are
@@ -39,17 +40,13 @@ class Limits:
     wall_seconds: float = 120.0
 
 
-Scene = Mapping[Object, tuple[float, ...]]
-"""Features of the objects of a state."""
-
-
 def run_classifier(
     source: str,
     function: str,
     types: Sequence[str],
-    scenes: Sequence[Scene],
+    scenes: Sequence[Features],
     queries: Sequence[tuple[int, tuple[Object, ...]]],
-    limits: Limits = Limits(),
+    limits: SandboxLimits = SandboxLimits(),
 ) -> tuple[bool, ...]:
     """The values of ``function``, defined in ``source``, for every (number of a scene, arguments).
 
@@ -76,7 +73,7 @@ def run_classifier(
     raise CodeError(f"gave no usable answer ({answer[:40]!r})")
 
 
-def _plain(scene: Scene) -> dict[str, tuple[list[str], dict[str, float]]]:
+def _plain(scene: Features) -> dict[str, tuple[list[str], dict[str, float]]]:
     """Objects by what prompts call them: their types from the most specific up, and their features by name."""
     plain = {}
     for thing, features in sorted(scene.items()):

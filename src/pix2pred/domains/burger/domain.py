@@ -13,9 +13,10 @@ from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.families import Family, Recipe, Variant, bind_atom, load_families
 from pix2pred.domains.burger.observe import observe
 from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator, sized_recipe
+from pix2pred.domains.burger.truth import value_now
 from pix2pred.domains.burger.world import World
 from pix2pred.structs import Demo, Task, Vocabulary
-from pix2pred.structs.environment import SimulatedTask, SimulatorState
+from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
 
 class BurgerDomain:
@@ -86,6 +87,10 @@ class BurgerDomain:
         goal = tuple(bind_atom(a, by_name, family.initial) for a in recipe.goal)
         task = Task(name, objects, observe(world, family.initial), goal)
         return SimulatedTask(task, {"family": family.name, "world": world.to_dict()})
+
+    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
+        assert isinstance(environment, BurgerEnvironment), "an environment of this domain"
+        return value_now(environment, concept, names)
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> BurgerEnvironment:
         """A fresh episode of a task; with probability ``disturb`` something happens to the scene after a skill.

@@ -12,10 +12,11 @@ from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.families import DEMONSTRATIONS, FAMILIES, Family
 from pix2pred.domains.coffee.observe import observe
 from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.coffee.truth import value_now
 from pix2pred.domains.coffee.vocabulary import GIVEN, SKILLS, TYPES
 from pix2pred.domains.coffee.world import World
 from pix2pred.structs import Demo, Task, Vocabulary
-from pix2pred.structs.environment import SimulatedTask, SimulatorState
+from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
 SETTINGS: Mapping[str, Any] = {
     "h_pre_frac": 0.8, "h_data_frac": 0.05, "j_threshold": 100, "early_stop": "level",
@@ -76,6 +77,10 @@ class CoffeeDomain:
         initial = observe(world, GIVEN, self._family(family).above)
         task = Task(name, objects, initial, all_filled(objects))
         return SimulatedTask(task, {"family": family, "world": world.to_dict()})
+
+    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
+        assert isinstance(environment, CoffeeEnvironment), "an environment of this domain"
+        return value_now(environment, concept, names)
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> CoffeeEnvironment:
         """A fresh episode of a task.

@@ -9,10 +9,11 @@ from typing import Any
 from pix2pred.domains import scripted
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
 from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, Split, boiling, push_kettle, start_world, turn_on
+from pix2pred.domains.kitchen.truth import value_now
 from pix2pred.domains.kitchen.vocabulary import OBJECTS, VOCABULARY
 from pix2pred.domains.kitchen.world import World
 from pix2pred.structs import Demo, Task, Vocabulary
-from pix2pred.structs.environment import SimulatedTask, SimulatorState
+from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
 DEMONSTRATIONS = 3
 
@@ -56,6 +57,10 @@ class KitchenDomain:
             _task(f"{family}-{i:02d}", start_world(seed, Split.DEMONSTRATIONS, i, LEFT), "4")
             for i in range(DEMONSTRATIONS)
         )
+
+    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
+        assert isinstance(environment, KitchenEnvironment), "an environment of this domain"
+        return value_now(environment, concept, names)
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> KitchenEnvironment:
         """A fresh episode of a task. Raises ``ValueError`` when the simulator state is not one of the kitchen."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, runtime_checkable
 
 from pix2pred.execution.explaining.diagnosis import TruthOf, visual
 from pix2pred.predicates import ground_atoms
@@ -15,15 +14,6 @@ TruthInDemo = Callable[[int, int, Atom], bool | None]
 
 TruthNow = Callable[[Environment], TruthOf | None]
 """What is known of the truth in an environment's present state."""
-
-
-@runtime_checkable
-class Replayable(Protocol):
-    """A domain that gives the start of each demonstration, so that its states can be visited again."""
-
-    def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
-        """The initial states of ``demonstrations(family, seed)``, in the same order."""
-        ...
 
 
 def truths_of_demos(

@@ -11,10 +11,11 @@ from pix2pred.learning.objective.planning_effort import DemoObjective
 from pix2pred.learning.operators.learner import OperatorLearner, OperatorModel
 from pix2pred.learning.operators.transition_class import to_operator
 from pix2pred.learning.selection.candidates import distinct_candidates
-from pix2pred.learning.selection.result import ClimbStep, Progress, RunnerUp, Selection, silent
+from pix2pred.learning.selection.result import ClimbStep, RunnerUp, Selection
 from pix2pred.learning.selection.stopping_rule import ScoredSet, StoppingRule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Operator, Predicate, TruthTable
+from pix2pred.system.progress import Progress, Stage, silent
 
 BATCH = 8
 """Candidates taken to their next demonstration at a time: enough for the workers of one machine, and few enough that a
@@ -139,8 +140,9 @@ class Climb:
                 sums[i].add(order[position], score)
                 if sums[i].exact:
                     heapq.heappush(queue, (sums[i].total, i, position + 1))
-            progress(len(candidates) - len(queue), len(candidates), data.predicates[candidates[batch[-1][0]]].name)
-        progress(len(candidates), len(candidates), "")
+            latest = data.predicates[candidates[batch[-1][0]]].name
+            progress(Stage.SELECT, len(candidates) - len(queue), len(candidates), latest)
+        progress(Stage.SELECT, len(candidates), len(candidates), "")
         self._scored += len(candidates)
         self._evaluations += sum(1 + len(self._representatives[p]) for p in candidates)
         self._budget_hits += sum(part.budget_hits for part in sums)

@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from pix2pred.structs import Operator, Predicate
-
-Progress = Callable[[int, int, str], None]
-"""Called with (candidates done, candidates in this step, what is going on)."""
-
-
-def silent(done: int, total: int, text: str) -> None:
-    """Shows nothing."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,9 +22,7 @@ from pix2pred.structs import (
     TruthTable,
     groundings,
 )
-
-Progress = Callable[[int, int, str], None]
-"""Called with (demonstrations done, demonstrations, name of the one just finished)."""
+from pix2pred.system.progress import Progress, Stage, silent
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +42,7 @@ def label_demos(
     labeller: Labeller,
     *,
     jobs: int = 4,
-    progress: Progress = lambda done, total, name: None,
+    progress: Progress = silent,
 ) -> Labelling:
     """Label every atom of ``initial`` and ``pool`` in every state; demonstrations in parallel, states in order."""
     predicates = (*initial, *(c.predicate for c in pool))
@@ -56,7 +54,7 @@ def label_demos(
     ):
         labelled.append(one)
         answers.append(texts)
-        progress(len(labelled), len(demos), demo.name)
+        progress(Stage.LABEL, len(labelled), len(demos), demo.name)
     states = [s for texts in answers for s in texts]
     counts = sum((s.counts for s in states), Counter[str]())
     gaps = tuple(gap for s in states for gap in s.gaps)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Literal
@@ -16,6 +16,7 @@ from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
 from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm import VLM, Finish, NoAnswerError, Request, Review
 
 ANSWER_TOKENS = 8192
@@ -72,24 +73,20 @@ class EmptyProposalError(Pix2predError, RuntimeError):
         self.proposals = proposals
 
 
-Progress = Callable[[int, int, str], None]
-"""Called with (demonstrations done, demonstrations, name of the one just finished)."""
-
-
 def propose(
     demos: Sequence[Demo],
     vlm: VLM,
     settings: ProposalSettings,
     *,
     jobs: int = 4,
-    progress: Progress = lambda done, total, name: None,
+    progress: Progress = silent,
 ) -> tuple[Proposal, ...]:
     """One proposal per demonstration, in the order of ``demos``. Raises ``EmptyProposalError`` if all are empty."""
     work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
     proposals: list[Proposal] = []
     for proposal in work(delayed(_propose_for)(demo, vlm, settings) for demo in demos):
         proposals.append(proposal)
-        progress(len(proposals), len(demos), proposal.demo)
+        progress(Stage.PROPOSE, len(proposals), len(demos), proposal.demo)
     if not any(p.accepted for p in proposals):
         first = next((f" ({p.demo}: {p.problem})" for p in proposals if p.problem), "")
         raise EmptyProposalError(
