@@ -22,12 +22,12 @@ from pix2pred.planning import (
     ExternalPlanner,
     GreedyBestFirst,
     Heuristic,
-    LMCut,
     Planner,
     Portfolio,
     Search,
     Strips,
     TaskPlanner,
+    landmark_cut,
 )
 from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
@@ -72,7 +72,7 @@ _APPROACHES = {
 """The approaches of method 9."""
 
 HEURISTICS: dict[str, Callable[[Strips], Heuristic]] = {
-    "lmcut": LMCut,
+    "lmcut": landmark_cut,
     "ff": FF,
 }
 SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
