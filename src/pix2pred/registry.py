@@ -21,12 +21,12 @@ from pix2pred.planning import (
     ExternalPlanner,
     GreedyBestFirst,
     Heuristic,
-    LMCut,
     Planner,
     Portfolio,
     Search,
     Strips,
     TaskPlanner,
+    landmark_cut,
 )
 from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
 from pix2pred.structs import Atom, FromVLM
@@ -70,7 +70,7 @@ _MODELS: dict[str, str] = {}
 """Functions of what follows ``KIND:`` in ``--vlm KIND:...`` that give a ``VLM``; group ``pix2pred.models``."""
 
 HEURISTICS: dict[str, Callable[[Strips], Heuristic]] = {
-    "lmcut": LMCut,
+    "lmcut": landmark_cut,
     "ff": FF,
 }
 """Classes made from a ground task; group ``pix2pred.heuristics``."""

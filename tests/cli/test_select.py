@@ -105,9 +105,9 @@ def test_every_published_problem_is_solved(cli: Cli, tmp_path: Path, planner: st
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("(clear ?x1)", "(claer ?x1)", "line 18: predicate claer"),
-        ("- patty ?x1 - robot)", "- patti ?x1 - robot)", "line 17: type patti"),
-        (":precondition (and (clear ?x0)", ":precondition (and (clear ?x7)", "line 18: ?x7"),
+        ("(clear ?x1)", "(claer ?x1)", "line 18, column 36: predicate claer"),
+        ("- patty ?x1 - robot)", "- patti ?x1 - robot)", "line 17, column 23: type patti"),
+        (":precondition (and (clear ?x0)", ":precondition (and (clear ?x7)", "line 18, column 30: ?x7"),
         ("(define (domain", "(define (domain (", "parenthesis"),
     ],
 )

@@ -33,6 +33,7 @@ _VERBS = (
     "plan:plan",
     "select:select",
     "plan_pddl:plan_pddl",
+    "validate:validate",
     "doctor:doctor",
 )
 """Module of this folder and function; a verb is imported when it is called, so that the others cost no time."""

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from pix2pred.cli.console import POSITIVE, print_json
 from pix2pred.cli.console import out as console
-from pix2pred.planning import is_valid
+from pix2pred.cli.pddl_files import parsed, text_of
+from pix2pred.planning import ExternalPlanner, Planner, TaskPlanner
+from pix2pred.planning.external.pddl import Sources, solve_externally
 from pix2pred.planning.external.planner import ENGINES, IN_EXTRA, TIME_LIMIT
-from pix2pred.planning.pddl.read import PddlDomain, read_domain, read_problem
-from pix2pred.planning.pddl.syntax import PddlError
-from pix2pred.registry import RegistryError, load_planner, planner_names
-from pix2pred.structs import PlanResult, PlanStatus
+from pix2pred.planning.pddl.check import check_plan
+from pix2pred.planning.pddl.plans import PddlPlan, solve_pddl
+from pix2pred.planning.pddl.read import PddlDomain, PddlProblem, read_domain, read_problem
+from pix2pred.registry import load_planner, planner_names
+from pix2pred.structs import PlanStatus
 from pix2pred.system.files import write_whole
 
-T = TypeVar("T")
 EXTERNAL = (
     "fast-downward[-opt], pyperplan[-opt] (others as packages: "
     + ", ".join(sorted(name for name, package in ENGINES.items() if package not in IN_EXTRA))
@@ -40,7 +41,7 @@ def plan_pddl(
     out: Annotated[Path | None, Parameter(help="File for the plan, one (action arg ...) a line.")] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
-    """Plan for a typed STRIPS PDDL problem, check the plan with independent code, and write it.
+    """Plan for a PDDL problem, check the plan with independent code, and write it.
 
     Exit codes: 0 a plan was found, 1 none was found, 2 bad input.
 
@@ -48,38 +49,39 @@ def plan_pddl(
 
     pix2pred plan-pddl domain.pddl problem.pddl --planner fast-downward --time-limit 60
     """
-    read: PddlDomain = _parsed(domain, read_domain)
-    task = _parsed(problem, lambda text: read_problem(text, read))
+    read: PddlDomain = parsed(domain, read_domain)
+    task = parsed(problem, lambda text: read_problem(text, read))
     made = load_planner(planner, distinct=read.distinct, time_limit=time_limit)
-    found = made.plan(read.operators, task.objects, task.initial, task.goal)
-    lines = [f"({' '.join((s.operator.name, *(o.name for o in s.objects)))})" for s in found.plan]
+    found = _planned(made, read, task, Sources(text_of(domain), text_of(problem)))
+    checked = check_plan(read, task, found.steps)
+    lines = [str(step) for step in found.steps]
     if found.status == PlanStatus.SOLVED:
-        assert is_valid(found.plan, task.initial, task.goal), "the planner returned a plan that does not work"
+        assert checked.valid, "the planner returned a plan that does not work"
         if out is not None:
             write_whole(out, "".join(f"{line}\n" for line in lines).encode())
+    cost = checked.cost if found.status == PlanStatus.SOLVED and any(a.costs for a in read.actions) else None
     if json:
-        print_json({"status": found.status, "plan": lines, "nodes": found.nodes, "seconds": round(found.seconds, 4)})
+        document = {"status": found.status, "plan": lines, "nodes": found.nodes, "seconds": round(found.seconds, 4)}
+        print_json(document if cost is None else {**document, "cost": cost})
     else:
         for line in lines:
             console.print(line, markup=False)
-        console.print(_last_line(found))
+        console.print(_last_line(found, cost, asked=task.minimise_costs))
     return 0 if found.status == PlanStatus.SOLVED else 1
 
 
-def _last_line(found: PlanResult) -> str:
+def _planned(planner: TaskPlanner, domain: PddlDomain, problem: PddlProblem, sources: Sources) -> PddlPlan:
+    """The plan of a search of ours, or of an engine of others, which reads what it can."""
+    if isinstance(planner, Planner):
+        return solve_pddl(domain, problem, planner)
+    assert isinstance(planner, ExternalPlanner), "there are two kinds of planners"
+    return solve_externally(domain, problem, sources, planner)
+
+
+def _last_line(found: PddlPlan, cost: int | None, *, asked: bool) -> str:
     """How the search ended, as a comment of the plan format."""
     if found.status == PlanStatus.TIMEOUT:
         return f"; stopped after {found.seconds:.0f} s without a plan; --time-limit allows more"
     nodes = "nodes unknown" if found.nodes is None else f"{found.nodes} nodes"
-    return f"; {found.status}, {len(found.plan)} steps, {nodes}, {found.seconds:.3f} s"
-
-
-def _parsed(path: Path, read: Callable[[str], T]) -> T:
-    data = path.read_bytes()
-    try:
-        return read(data.decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise RegistryError(f"{path}: line {line}: this is no UTF-8 text; save the file as UTF-8") from error
-    except PddlError as error:
-        raise RegistryError(f"{path}: {error}") from error
+    costs = "" if cost is None else f"cost {cost}, " if asked else f"cost {cost} (no :metric asks for a small one), "
+    return f"; {found.status}, {len(found.steps)} steps, {costs}{nodes}, {found.seconds:.3f} s"

@@ -5,6 +5,7 @@ from pix2pred.planning.grounding import GroundingBudgetError, GroundTask, ground
 from pix2pred.planning.heuristics.ff import FF
 from pix2pred.planning.heuristics.heuristic import Evaluation, Heuristic
 from pix2pred.planning.heuristics.lmcut import LMCut
+from pix2pred.planning.heuristics.lmcut_costs import landmark_cut
 from pix2pred.planning.planner import Planner, TaskPlanner
 from pix2pred.planning.search.astar import AStar
 from pix2pred.planning.search.bounded import Bounded
@@ -34,4 +35,5 @@ __all__ = [
     "TaskPlanner",
     "ground",
     "is_valid",
+    "landmark_cut",
 ]

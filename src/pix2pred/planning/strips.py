@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+Relaxed = tuple[int, int, int]
+"""(preconditions, what is added besides them, operator): a way to make facts true when nothing is ever deleted."""
 
 
 @dataclass(frozen=True, slots=True)
 class Strips:
-    """A ground planning task with unit costs. Operator k is ``pre[k]``, ``add[k]``, ``delete[k]``.
+    """A ground planning task. Operator k is ``pre[k]``, ``add[k]``, ``delete[k]``, and costs ``costs[k]``.
 
-    Applicable iff ``pre & ~state == 0``; the successor is ``state & ~delete | add``.
+    Applicable iff ``pre & ~state == 0``; the successor is ``state & ~delete | add``. Without ``costs`` every operator
+    costs one.
     """
 
     facts: int
@@ -19,6 +23,7 @@ class Strips:
     delete: tuple[int, ...]
     initial: int
     goal: int
+    costs: tuple[int, ...] = ()
 
     def applicable(self, state: int) -> Iterator[int]:
         """Numbers of the operators applicable in ``state``, ascending."""
@@ -35,14 +40,28 @@ class Strips:
         """Whether the goal holds in ``state``."""
         return not self.goal & ~state
 
-    def without_static_facts(self) -> Strips:
-        """The same task for a heuristic: initial facts that no operator touches leave preconditions and goal."""
+    def cost(self, k: int) -> int:
+        """What operator ``k`` costs."""
+        return self.costs[k] if self.costs else 1
+
+    def relaxed(self) -> list[Relaxed]:
+        """How facts become true when nothing is ever deleted.
+
+        An operator number beyond the operators' stands for something that happens by itself and costs nothing.
+        """
+        return [(pre, add & ~pre, k) for k, (pre, add) in enumerate(zip(self.pre, self.add, strict=True)) if add & ~pre]
+
+    def touched(self) -> int:
+        """The facts that some operator adds or deletes."""
         touched = 0
         for add, delete in zip(self.add, self.delete, strict=True):
             touched |= add | delete
-        keep = ~(self.initial & ~touched)
-        pre = tuple(p & keep for p in self.pre)
-        return Strips(self.facts, pre, self.add, self.delete, self.initial & keep, self.goal & keep)
+        return touched
+
+    def without_static_facts(self) -> Strips:
+        """The same task for a heuristic: initial facts that no operator touches leave preconditions and goal."""
+        keep = ~(self.initial & ~self.touched())
+        return replace(self, pre=tuple(p & keep for p in self.pre), initial=self.initial & keep, goal=self.goal & keep)
 
 
 def bits(mask: int) -> Iterator[int]:

@@ -32,7 +32,8 @@ def _solve(engine: str, task: dict[str, Any], seconds: float) -> dict[str, Any]:
 
     environment = get_environment()  # some engines do not work in any other
     environment.credits_stream = None
-    problem = _problem(task, environment)
+    in_pddl = "domain" in task
+    problem = _read(task, environment) if in_pddl else _problem(task, environment)
     with environment.factory.OneshotPlanner(name=engine) as planner:
         if not planner.supports(problem.kind):
             return {"status": "UNSUPPORTED_PROBLEM", "message": f"it cannot do all of {sorted(problem.kind.features)}"}
@@ -47,9 +48,18 @@ def _solve(engine: str, task: dict[str, Any], seconds: float) -> dict[str, Any]:
     logs = " ".join(m.message.strip() for m in result.log_messages or [] if m.level.name == "ERROR")
     return {
         "status": result.status.name,
-        "plan": [[int(str(n)[1:]) for n in (s.action.name, *s.actual_parameters)] for s in steps],
+        "plan": [
+            [n if in_pddl else int(n[1:]) for n in map(str, (s.action.name, *s.actual_parameters))] for s in steps
+        ],
         "message": " ".join(logs.split())[-300:],
     }
+
+
+def _read(task: dict[str, Any], environment: Any) -> Any:
+    """The problem of two PDDL texts."""
+    from unified_planning.io import PDDLReader
+
+    return PDDLReader(environment).parse_problem_string(task["domain"], task["problem"])
 
 
 def _problem(task: dict[str, Any], environment: Any) -> Any:

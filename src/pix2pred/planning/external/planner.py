@@ -82,17 +82,31 @@ class ExternalPlanner:
         effective = [op for op in operators if op.add or op.delete]
         things, wanted = sorted(objects), tuple(goal)
         answer = self._ask(_numbered(effective, things, initial, wanted, distinct=self.distinct))
-        if answer is None:
-            return PlanResult(PlanStatus.TIMEOUT, (), None, time.perf_counter() - start)
-        if answer["status"] not in _STATUS:
-            raise ExternalPlannerError(f"planner {self.engine} failed: {answer['status']}: {answer['message']}")
-        status = _STATUS[answer["status"]]
+        status = self._status(answer)
         plan: tuple[GroundOperator, ...] = ()
-        if status == PlanStatus.SOLVED:
+        if answer is not None and status == PlanStatus.SOLVED:
             plan = tuple(effective[k].ground(tuple(things[i] for i in bound)) for k, *bound in answer["plan"])
             if not is_valid(plan, initial, wanted):
                 raise ExternalPlannerError(f"planner {self.engine} gave a plan that does not work")
         return PlanResult(status, plan, None, time.perf_counter() - start)
+
+    def plan_text(self, domain: str, problem: str) -> tuple[PlanStatus, tuple[str, ...]]:
+        """Look for a plan of a problem in PDDL; its steps as ``(action object ...)``, not checked.
+
+        Raises ``ExternalPlannerError``.
+        """
+        answer = self._ask({"domain": domain, "problem": problem})
+        status = self._status(answer)
+        steps = answer["plan"] if answer is not None and status == PlanStatus.SOLVED else ()
+        return status, tuple(f"({' '.join(step)})" for step in steps)
+
+    def _status(self, answer: dict[str, Any] | None) -> PlanStatus:
+        """How the engine ended. Raises ``ExternalPlannerError`` when it failed."""
+        if answer is None:
+            return PlanStatus.TIMEOUT
+        if answer["status"] not in _STATUS:
+            raise ExternalPlannerError(f"planner {self.engine} failed: {answer['status']}: {answer['message']}")
+        return _STATUS[answer["status"]]
 
     def _ask(self, task: dict[str, Any]) -> dict[str, Any] | None:
         """The answer of the program; ``None`` when it ran out of time."""

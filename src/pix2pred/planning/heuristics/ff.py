@@ -11,10 +11,10 @@ class FF(Heuristic):
 
     def __init__(self, task: Strips) -> None:
         task = task.without_static_facts()
-        self._task = task
-        self._operators = [
-            (pre, add & ~pre, k) for k, (pre, add) in enumerate(zip(task.pre, task.add, strict=True)) if add & ~pre
-        ]
+        self._goal = task.goal
+        self._ways = task.relaxed()
+        self._operators = [(pre, add, way) for way, (pre, add, _) in enumerate(self._ways)]
+        self._count = len(task.pre)
 
     def __call__(self, state: int) -> int | None:
         found = self.evaluate(state)
@@ -24,25 +24,29 @@ class FF(Heuristic):
         achiever = self._explore(state)
         if achiever is None:
             return None
-        plan = 0
+        used: set[int] = set()
+        plan: set[int] = set()
         helpful = 0
-        open_facts = list(bits(self._task.goal & ~state))
-        wanted = self._task.goal
+        open_facts = list(bits(self._goal & ~state))
+        wanted = self._goal
         while open_facts:
-            k = achiever[open_facts.pop()]
-            if plan >> k & 1:
+            way = achiever[open_facts.pop()]
+            if way in used:
                 continue
-            plan |= 1 << k
-            needs = self._task.pre[k] & ~state
-            if not needs:
-                helpful |= 1 << k
+            used.add(way)
+            pre, _, k = self._ways[way]
+            needs = pre & ~state
+            if k < self._count:
+                plan.add(k)
+                if not needs:
+                    helpful |= 1 << k
             open_facts.extend(bits(needs & ~wanted))
             wanted |= needs
-        return Evaluation(plan.bit_count(), helpful)
+        return Evaluation(len(plan), helpful)
 
     def _explore(self, state: int) -> dict[int, int] | None:
-        """The first operator to achieve each fact, layer by layer, until the goal is reached."""
-        goal = self._task.goal
+        """The first way to achieve each fact, layer by layer, until the goal is reached."""
+        goal = self._goal
         reached = state
         achiever: dict[int, int] = {}
         waiting = self._operators
@@ -50,12 +54,12 @@ class FF(Heuristic):
             layer = reached
             still = []
             for operator in waiting:
-                pre, add, k = operator
+                pre, add, way = operator
                 if pre & ~layer:
                     still.append(operator)
                     continue
                 for fact in bits(add & ~reached):
-                    achiever[fact] = k
+                    achiever[fact] = way
                 reached |= add
             if reached == layer:
                 return None

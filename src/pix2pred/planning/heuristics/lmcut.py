@@ -22,9 +22,9 @@ class LMCut(Heuristic):
     def __init__(self, task: Strips) -> None:
         task = task.without_static_facts()
         self._goal = task.goal
-        self._operators = [
-            (pre, add & ~pre, 1 << k) for k, (pre, add) in enumerate(zip(task.pre, task.add, strict=True)) if add & ~pre
-        ]
+        relaxed = task.relaxed()
+        self._operators = [(pre, add, 1 << k) for pre, add, k in relaxed]
+        self._free = sum({1 << k for _, _, k in relaxed if k >= len(task.pre)})
         self._known: dict[int, tuple[int, ...] | None] = {}
 
     def __call__(self, state: int) -> int | None:
@@ -45,7 +45,7 @@ class LMCut(Heuristic):
 
     def _cuts(self, state: int, landmarks: tuple[int, ...]) -> tuple[int, ...] | None:
         """Disjoint landmarks of ``state``, beginning with ``landmarks``, until the goal costs nothing more."""
-        free = 0
+        free = self._free
         for landmark in landmarks:
             free |= landmark
         found = list(landmarks)

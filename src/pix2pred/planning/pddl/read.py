@@ -1,46 +1,26 @@
-"""Reading typed STRIPS PDDL, with errors that name the line.
+"""Reading PDDL without numbers and time, with errors that name line and column.
 
-Covers what the project writes and the published domains use: ``:strips``, ``:typing``, ``:equality`` for distinct
-parameters, ``:constants`` outside actions. Action costs are read over: every action counts one. Everything else is an
-error. Own code because the parsers found either refuse the built-in type ``object`` in a predicate (``pddl`` 0.5) or
-weigh a planning framework (``unified-planning``), and none reports lines for such errors.
+Read are typing with ``either``, constants, equality, negation, disjunctions, quantifiers, conditional effects, derived
+predicates, and action costs from static functions. Own code because the parsers found either refuse the built-in type
+``object`` in a predicate (``pddl`` 0.5) or weigh a planning framework (``unified-planning``), and none reports where
+such errors stand.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import permutations
-from typing import TypeVar
 
-from pix2pred.planning.pddl.parts import (
-    RESERVED,
-    action_parts,
-    conjuncts,
-    declared,
-    initial_facts,
-    items,
-    negated,
-    sections,
-)
-from pix2pred.planning.pddl.syntax import Group, PddlError, Word, as_group, as_word
-from pix2pred.structs import (
-    AbstractState,
-    Atom,
-    FromDomain,
-    LiftedAtom,
-    Object,
-    Operator,
-    Predicate,
-    Skill,
-    Type,
-    Variable,
-)
-
-T = TypeVar("T")
-
-MAX_TYPE_DEPTH = 100
+from pix2pred.planning.pddl.conditions import FormulaReader, whole_number
+from pix2pred.planning.pddl.formulas import TRUE, Action, DerivedPredicate, Formula, Literal, TypedName, conjuncts
+from pix2pred.planning.pddl.operators import UNEQUAL, SkillNote, StripsOperators, strips_operators
+from pix2pred.planning.pddl.parts import RESERVED, action_parts, declared, items, sections
+from pix2pred.planning.pddl.scope import Scope, read_types
+from pix2pred.planning.pddl.stratified import CircularNegationError, strata
+from pix2pred.planning.pddl.syntax import Group, Node, PddlError, Place, Word, as_group, as_word
+from pix2pred.structs import AbstractState, Atom, FromDomain, Object, Operator, Predicate, Type
 
 _TABLE = re.compile(r"^\s*;@ name (\w+) (\S+) (.+?)\s*$", re.MULTILINE)
 _SKILL = re.compile(r"^\s*;@ skill (\S+) (\d{1,9}) (.+?)\s*$", re.MULTILINE)
@@ -48,9 +28,11 @@ _SKILL = re.compile(r"^\s*;@ skill (\S+) (\d{1,9}) (.+?)\s*$", re.MULTILINE)
 
 @dataclass(frozen=True, slots=True)
 class PddlDomain:
-    """Types, constants, predicates (source: domain) and operators.
+    """A domain: types, constants, predicates (source: domain), actions, derived predicates and functions.
 
-    ``distinct`` tells that every action excludes coinciding parameters wherever types allow them to coincide.
+    ``operators`` are the actions where all of them are operators of STRIPS over variables; ``distinct`` then tells that
+    every action excludes coinciding parameters wherever types allow them to coincide. Otherwise there are none, and
+    ``is_strips`` is False.
     """
 
     name: str
@@ -61,249 +43,262 @@ class PddlDomain:
     distinct: bool
     names: Mapping[tuple[str, str], str] = field(default_factory=dict)
     """Original names by kind and PDDL form, where the two differ; problems may use either."""
+    is_strips: bool = True
+    actions: tuple[Action, ...] = ()
+    derived: tuple[DerivedPredicate, ...] = ()
+    levels: tuple[frozenset[str], ...] = ()
+    """The derived predicates in the order in which they are evaluated."""
+    signatures: Mapping[str, tuple[TypedName, ...]] = field(default_factory=dict)
+    """Parameters of every predicate, with all their types where ``either`` gives several."""
+    functions: Mapping[str, tuple[TypedName, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class PddlProblem:
-    """Objects (the domain's constants included), initial atoms and goal atoms."""
+    """A problem: objects (the domain's constants included), initial atoms, and what is to be reached.
+
+    ``condition`` is the goal. ``goal`` lists its atoms when it is a conjunction of atoms (``has_atomic_goal``), and is
+    empty otherwise. ``costs`` are the values of static functions; with ``minimise_costs`` the cheapest plan is wanted,
+    otherwise the shortest.
+    """
 
     name: str
     objects: tuple[Object, ...]
     initial: AbstractState
     goal: tuple[Atom, ...]
+    condition: Formula = TRUE
+    has_atomic_goal: bool = True
+    costs: Mapping[tuple[str, tuple[str, ...]], int] = field(default_factory=dict)
+    minimise_costs: bool = False
+    kinds: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Types of every object, several where ``either`` gives them."""
 
 
 def read_domain(text: str) -> PddlDomain:
     """Read a domain. Raises ``PddlError``."""
-    return _DomainReader(text).read()
+    found = sections(text, "domain")
+    scope = Scope(_original_names(text))
+    read_types(list(declared(items(found, ":types"), "type", repeatable=True)), scope)
+    constants = _objects(found, ":constants", scope)
+    for node in items(found, ":predicates"):
+        _declare(as_group(node), "predicate", scope.predicates, scope)
+    for node in _without_types(items(found, ":functions")):
+        _declare(as_group(node), "function", scope.functions, scope)
+    reader = FormulaReader(scope)
+    derived = tuple(_derived(g, scope, reader) for g in found.get(":derived", ()))
+    try:
+        levels = strata(derived)
+    except CircularNegationError as error:
+        raise PddlError(found[":derived"][0].at, f"{error} is derived from its own negation") from error
+    actions: dict[str, Action] = {}
+    places: dict[str, Place] = {}
+    for group in found.get(":action", ()):
+        word, action = _action(group, scope, reader, {d.head for d in derived})
+        if action.name in actions:
+            raise PddlError(word.at, f"action {word.text} is declared twice")
+        actions[action.name], places[action.name] = action, word.at
+    predicates = {
+        n: Predicate(n, tuple(_one_type(p, scope) for p in s), FromDomain()) for n, s in scope.predicates.items()
+    }
+    notes = {scope.original("action", m[0]): SkillNote(int(m[1]), *_split(m[2])) for m in _SKILL.findall(text)}
+    strips = None if derived else strips_operators(tuple(actions.values()), scope.types, predicates, notes, places)
+    made = strips or StripsOperators((), distinct=False)
+    return PddlDomain(
+        name=scope.original("domain", as_word(found["domain"][0].items[1]).text),
+        types=tuple(scope.types.values()),
+        constants=constants,
+        predicates=tuple(sorted(predicates.values())),
+        operators=made.operators,
+        distinct=made.distinct,
+        names=scope.table,
+        is_strips=strips is not None,
+        actions=tuple(actions.values()),
+        derived=derived,
+        levels=levels,
+        signatures=scope.predicates,
+        functions=scope.functions,
+    )
 
 
 def read_problem(text: str, domain: PddlDomain) -> PddlProblem:
     """Read a problem of ``domain``. Raises ``PddlError``."""
     found = sections(text, "problem")
-    table = {**domain.names, **_original_names(text)}
-    _check_domain(found, table, domain)
-    types = {t.name: t for t in domain.types} | {"object": _root(domain.types)}
-    things = {o.name: o for o in domain.constants}
-    for word, type_word in declared(items(found, ":objects"), "object"):
-        name = table.get(("object", word.text), word.text)
-        if name in things:
-            raise PddlError(word.line, f"object {word.text} is declared twice")
-        things[name] = Object(name, _look_up(types, table, "type", type_word), name)
-    predicates = {p.name: p for p in domain.predicates}
-
-    def atom(group: Group) -> Atom:
-        predicate = _look_up(predicates, table, "predicate", as_word(group.items[0] if group.items else group))
-        args = tuple(_look_up(things, table, "object", as_word(i)) for i in group.items[1:])
-        _check_arguments(group, predicate, [o.type for o in args])
-        return Atom(predicate, args)
-
-    initial = frozenset(atom(group) for group in initial_facts(items(found, ":init")))
+    scope = Scope({**domain.names, **_original_names(text)})
+    scope.types.update({t.name: t for t in domain.types})
+    scope.predicates.update(domain.signatures)
+    scope.functions.update(domain.functions)
+    scope.objects.update({o.name: (o.type.name,) for o in domain.constants})
+    _check_domain(found, scope, domain)
+    things = tuple(sorted((*domain.constants, *_objects(found, ":objects", scope))))
+    reader = FormulaReader(scope)
     wanted = items(found, ":goal")
     if len(wanted) != 1:
-        raise PddlError(found[":goal"][0].line, ":goal takes one condition")
-    goal = []
-    for group in conjuncts(as_group(wanted[0])):
-        if group.head == "not":
-            negated(group)
-            raise PddlError(group.line, "negative goals are not supported")
-        goal.append(atom(group))
+        raise PddlError(found[":goal"][0].at, ":goal takes one condition")
+    condition = reader.condition(wanted[0], {})
+    predicates, objects = {p.name: p for p in domain.predicates}, {o.name: o for o in things}
+
+    def atom(literal: Literal) -> Atom:
+        return Atom(predicates[literal.predicate], tuple(objects[t] for t in literal.terms))
+
+    facts, costs = _initial(items(found, ":init"), scope, reader, {d.head for d in domain.derived})
+    initial = frozenset(atom(fact) for fact in facts)
     if any(a.predicate == UNEQUAL for op in domain.operators for a in op.preconditions):
-        initial |= {Atom(UNEQUAL, pair) for pair in permutations(sorted(things.values()), 2)}
-    return PddlProblem(as_word(found["problem"][0].items[1]).text, tuple(sorted(things.values())), initial, tuple(goal))
+        initial |= {Atom(UNEQUAL, pair) for pair in permutations(things, 2)}
+    literals = [part for part in conjuncts(condition) if isinstance(part, Literal) and part.positive]
+    atomic = len(literals) == len(conjuncts(condition))
+    return PddlProblem(
+        name=as_word(found["problem"][0].items[1]).text,
+        objects=things,
+        initial=initial,
+        goal=tuple(map(atom, literals)) if atomic else (),
+        condition=condition,
+        has_atomic_goal=atomic,
+        costs=costs,
+        minimise_costs=_minimises_costs(found, domain),
+        kinds=scope.objects,
+    )
 
 
-def _check_domain(found: dict[str, list[Group]], table: Mapping[tuple[str, str], str], domain: PddlDomain) -> None:
+def _check_domain(found: dict[str, list[Group]], scope: Scope, domain: PddlDomain) -> None:
     """Whether a problem has all it needs and is one of ``domain``."""
     for keyword in (":domain", ":init", ":goal"):
         if keyword not in found:
-            raise PddlError(found["problem"][0].line, f"the problem has no {keyword}")
+            raise PddlError(found["problem"][0].at, f"the problem has no {keyword}")
     group = found[":domain"][0]
     if len(group.items) != 2:
-        raise PddlError(group.line, "(:domain ...) takes one name")
+        raise PddlError(group.at, "(:domain ...) takes one name")
     word = as_word(group.items[1])
-    if table.get(("domain", word.text), word.text) != domain.name:
-        raise PddlError(word.line, f"this is a problem of the domain {word.text}, not of {domain.name}")
+    if scope.original("domain", word.text) != domain.name:
+        raise PddlError(word.at, f"this is a problem of the domain {word.text}, not of {domain.name}")
 
 
-class _DomainReader:
-    def __init__(self, text: str) -> None:
-        self._sections = sections(text, "domain")
-        self._table = _original_names(text)
-        self._skills = {m[0]: (int(m[1]), m[2].split()) for m in _SKILL.findall(text)}
-        self._declared: set[str] = set()
-        self._actions: set[str] = set()
-        self._unequal: list[tuple[set[frozenset[str]], bool]] = []
-
-    def read(self) -> PddlDomain:
-        """The domain, names resolved."""
-        types = self._types()
-        self._type_of = {t.name: t for t in types} | {"object": _root(types)}
-        constants = tuple(
-            Object(self._original("object", w.text), self._type(t), w.text)
-            for w, t in declared(items(self._sections, ":constants"), "constant")
-        )
-        self._constants = {o.name for o in constants}
-        predicates = [self._predicate(as_group(node)) for node in items(self._sections, ":predicates")]
-        self._predicates = {p.name: p for p in predicates}
-        operators = tuple(self._operator(a) for a in self._sections.get(":action", ()))
-        distinct = all(complete for _, complete in self._unequal)
-        if not distinct:
-            operators = tuple(_with_inequalities(op, u) for op, (u, _) in zip(operators, self._unequal, strict=True))
-        name = self._original("domain", as_word(self._sections["domain"][0].items[1]).text)
-        return PddlDomain(name, types, constants, tuple(sorted(predicates)), operators, distinct, self._table)
-
-    def _original(self, kind: str, form: str) -> str:
-        return self._table.get((kind, form), form)
-
-    def _types(self) -> tuple[Type, ...]:
-        parents: dict[str, Word] = {}
-        for word, parent in declared(items(self._sections, ":types"), "type"):
-            if word.text != "object":
-                parents[word.text] = parent
-        root = Type("object")
-        built: dict[str, Type] = {"object": root}
-        depth = {"object": 0}
-
-        def build(name: str, below: tuple[str, ...]) -> Type:
-            if len(below) > MAX_TYPE_DEPTH:
-                raise PddlError(parents[name].line, f"types are nested more than {MAX_TYPE_DEPTH} deep")
-            if name in below:
-                raise PddlError(parents[name].line, f"type {name} is its own ancestor")
-            if name not in built:
-                parent = parents[name]
-                if parent.text != "object" and parent.text not in parents:
-                    raise PddlError(parent.line, f"type {parent.text} is not declared")
-                above = build(parent.text, (*below, name))
-                depth[name] = depth[parent.text] + 1
-                if depth[name] > MAX_TYPE_DEPTH:
-                    raise PddlError(parent.line, f"types are nested more than {MAX_TYPE_DEPTH} deep")
-                built[name] = Type(self._original("type", name), parent=above)
-            return built[name]
-
-        return tuple(build(name, ()) for name in ("object", *parents))
-
-    def _type(self, word: Word) -> Type:
-        return _look_up(self._type_of, self._table, "type", word)
-
-    def _predicate(self, group: Group) -> Predicate:
-        word = as_word(group.items[0] if group.items else group)
-        if word.text in RESERVED:
-            raise PddlError(word.line, f"{word.text} cannot name a predicate")
-        if word.text in self._declared:
-            raise PddlError(word.line, f"predicate {word.text} is declared twice")
-        self._declared.add(word.text)
-        types = tuple(self._type(t) for _, t in declared(group.items[1:], "variable"))
-        return Predicate(self._original("predicate", word.text), types, FromDomain())
-
-    def _operator(self, group: Group) -> Operator:
-        word, parts = action_parts(group)
-        form = word.text
-        if form in self._actions:
-            raise PddlError(word.line, f"action {form} is declared twice")
-        self._actions.add(form)
-        parameters = declared(parts[":parameters"].items, "variable") if ":parameters" in parts else ()
-        variables = {w.text: Variable(w.text, self._type(t)) for w, t in parameters}
-        pre, unequal = self._conditions(parts.get(":precondition"), variables)
-        add, delete = self._effects(parts.get(":effect"), variables)
-        self._unequal.append((unequal, unequal >= _overlapping(list(variables.values()))))
-        support, skill = self._skills.get(form, (0, [form, *variables]))
-        unknown = [v for v in skill[1:] if v not in variables]
-        if unknown:
-            raise PddlError(
-                group.line, f"action {form}: its ;@ skill comment names {unknown[0]}, which is no parameter"
-            )
-        args = tuple(variables[v] for v in skill[1:])
-        name = self._original("action", form)
-        behind = Skill(skill[0], tuple(v.type for v in args))
-        return Operator(name, tuple(variables.values()), pre, add, delete - add, behind, args, support)
-
-    def _conditions(
-        self, node: Group | None, variables: dict[str, Variable]
-    ) -> tuple[frozenset[LiftedAtom], set[frozenset[str]]]:
-        atoms, unequal = set(), set()
-        for part in conjuncts(node):
-            if part.head == "not":
-                unequal.add(self._different(part, variables))
-            else:
-                atoms.add(self._lifted(part, variables))
-        return frozenset(atoms), unequal
-
-    def _different(self, part: Group, variables: dict[str, Variable]) -> frozenset[str]:
-        """The two parameters of ``(not (= ?a ?b))``."""
-        inner = negated(part)
-        if inner.head != "=":
-            raise PddlError(part.line, "negative preconditions other than (not (= ?a ?b)) are not supported")
-        words = [self._parameter(i, variables) for i in inner.items[1:]]
-        if len(words) != 2 or words[0] == words[1]:
-            raise PddlError(inner.line, "(not (= ...)) takes two different parameters")
-        return frozenset(words)
-
-    def _effects(
-        self, node: Group | None, variables: dict[str, Variable]
-    ) -> tuple[frozenset[LiftedAtom], frozenset[LiftedAtom]]:
-        add, delete = set(), set()
-        for part in conjuncts(node):
-            if part.head == "not":
-                delete.add(self._lifted(negated(part), variables))
-            else:
-                add.add(self._lifted(part, variables))
-        return frozenset(add), frozenset(delete)
-
-    def _lifted(self, group: Group, variables: dict[str, Variable]) -> LiftedAtom:
-        predicate = _look_up(
-            self._predicates, self._table, "predicate", as_word(group.items[0] if group.items else group)
-        )
-        args = tuple(variables[self._parameter(i, variables)] for i in group.items[1:])
-        _check_arguments(group, predicate, [v.type for v in args])
-        return LiftedAtom(predicate, args)
-
-    def _parameter(self, node: Word | Group, variables: dict[str, Variable]) -> str:
-        """The name of a parameter, checked."""
-        word = as_word(node)
-        if word.text not in variables:
-            kind = "constants in actions are not supported" if word.text in self._constants else "is no parameter"
-            raise PddlError(word.line, f"{word.text}: {kind}")
-        return word.text
+def _objects(found: dict[str, list[Group]], keyword: str, scope: Scope) -> tuple[Object, ...]:
+    """The constants or objects that a section declares, entered into ``scope``."""
+    kind = "constant" if keyword == ":constants" else "object"
+    made = []
+    for word in declared(items(found, keyword), kind):
+        typed = scope.typed(word, "object")
+        if typed.name in scope.objects:
+            raise PddlError(word.name.at, f"object {word.name.text} is declared twice")
+        scope.objects[typed.name] = typed.types
+        made.append(Object(typed.name, _one_type(typed, scope), word.name.text if kind == "constant" else typed.name))
+    return tuple(made)
 
 
-UNEQUAL = Predicate("=/=", (Type("object"), Type("object")), FromDomain())
-"""Stands for ``(not (= ?a ?b))`` where only some pairs of parameters exclude each other; problems get its atoms."""
+def _one_type(name: TypedName, scope: Scope) -> Type:
+    """The type of ``name``, or the lowest one above all its types."""
+    types = [scope.types[t] for t in name.types]
+    above: Type | None = types[0]
+    while above is not None and not all(t.is_a(above) for t in types):
+        above = above.parent
+    return above or scope.types["object"]
 
 
-def _with_inequalities(operator: Operator, pairs: set[frozenset[str]]) -> Operator:
-    by_name = {v.name: v for v in operator.parameters}
-    atoms = {LiftedAtom(UNEQUAL, tuple(by_name[n] for n in sorted(pair))) for pair in pairs if len(pair) == 2}
-    return replace(operator, preconditions=operator.preconditions | atoms)
+def _declare(group: Group, kind: str, known: dict[str, tuple[TypedName, ...]], scope: Scope) -> None:
+    word = as_word(group.items[0]) if group.items else Word("()", group.at)
+    name = scope.original(kind, word.text)
+    if kind == "predicate" and word.text in RESERVED:
+        raise PddlError(word.at, f"{word.text} cannot name a predicate")
+    if name in known:
+        raise PddlError(word.at, f"{kind} {word.text} is declared twice")
+    known[name] = tuple(scope.typed(w) for w in declared(group.items[1:], "variable", repeatable=True))
 
 
-def _overlapping(variables: Sequence[Variable]) -> set[frozenset[str]]:
-    return {
-        frozenset((a.name, b.name))
-        for i, a in enumerate(variables)
-        for b in variables[i + 1 :]
-        if a.type.is_a(b.type) or b.type.is_a(a.type)
-    }
+def _without_types(nodes: Sequence[Node]) -> Sequence[Node]:
+    """Declarations of functions without their type, which can only be ``number``."""
+    kept: list[Node] = []
+    words = iter(nodes)
+    for node in words:
+        if isinstance(node, Word) and node.text == "-":
+            kind = next(words, None)
+            if not isinstance(kind, Word) or kind.text != "number":
+                raise PddlError(node.at, "functions whose values are objects are not supported")
+        else:
+            kept.append(node)
+    return kept
 
 
-def _check_arguments(group: Group, predicate: Predicate, types: Sequence[Type]) -> None:
-    if len(types) != predicate.arity:
-        raise PddlError(group.line, f"{predicate.name} takes {predicate.arity} arguments, found {len(types)}")
-    for wanted, found in zip(predicate.types, types, strict=True):
-        if not found.is_a(wanted):
-            raise PddlError(group.line, f"{predicate.name}: a {found.name} is given where a {wanted.name} is due")
+def _derived(group: Group, scope: Scope, reader: FormulaReader) -> DerivedPredicate:
+    if len(group.items) != 3:
+        raise PddlError(group.at, "(:derived ...) takes a predicate with its variables and a condition")
+    head = as_group(group.items[1])
+    word = as_word(head.items[0]) if head.items else Word("()", head.at)
+    signature = scope.look_up(scope.predicates, "predicate", word)
+    given = tuple(scope.typed(w) for w in declared(head.items[1:], "variable"))
+    if len(given) != len(signature):
+        raise PddlError(head.at, f"{word.text} takes {len(signature)} arguments, found {len(given)}")
+    body = reader.condition(group.items[2], {v.name: v for v in given})
+    return DerivedPredicate(scope.original("predicate", word.text), given, body)
 
 
-def _root(types: Sequence[Type]) -> Type:
-    return next((t for t in types if t.name == "object"), Type("object"))
+def _action(group: Group, scope: Scope, reader: FormulaReader, derived: set[str]) -> tuple[Word, Action]:
+    word, parts = action_parts(group)
+    listed = parts[":parameters"].items if ":parameters" in parts else ()
+    parameters = tuple(scope.typed(w) for w in declared(listed, "variable"))
+    variables = {p.name: p for p in parameters}
+    effects = tuple(reader.effects(parts.get(":effect"), variables))
+    for effect in effects:
+        if effect.literal.predicate in derived:
+            raise PddlError(word.at, f"action {word.text} changes {effect.literal.predicate}, which is derived")
+    action = Action(
+        scope.original("action", word.text),
+        parameters,
+        reader.condition(parts.get(":precondition"), variables),
+        effects,
+        tuple(reader.costs(parts.get(":effect"), variables)),
+    )
+    return word, action
 
 
-def _look_up(known: Mapping[str, T], table: Mapping[tuple[str, str], str], kind: str, word: Word) -> T:
-    name = table.get((kind, word.text), word.text)
-    if name not in known:
-        raise PddlError(word.line, f"{kind} {word.text} is not declared")
-    return known[name]
+def _initial(
+    nodes: Sequence[Node], scope: Scope, reader: FormulaReader, derived: set[str]
+) -> tuple[list[Literal], dict[tuple[str, tuple[str, ...]], int]]:
+    """The facts of ``:init`` and the values of functions. What it says to be false must not be listed as well."""
+    facts: list[Literal] = []
+    costs: dict[tuple[str, tuple[str, ...]], int] = {}
+    for group in map(as_group, nodes):
+        second = group.items[1] if len(group.items) > 1 else None
+        if group.head == "=":
+            if len(group.items) != 3:
+                raise PddlError(group.at, "(= ...) takes a function and its value")
+            target = as_group(group.items[1])
+            word = as_word(target.items[0]) if target.items else Word("()", target.at)
+            if word.text == "total-cost":
+                continue
+            wanted = scope.look_up(scope.functions, "function", word)
+            terms = scope.arguments(target, word.text, wanted, {})
+            costs[word.text, terms] = whole_number(as_word(group.items[2]))
+        elif group.head == "at" and len(group.items) == 3 and isinstance(group.items[2], Group):
+            raise PddlError(group.at, "facts that become true at a time (at ...) are not supported")
+        elif group.head == "not" and second is not None:
+            denied = reader.atom(as_group(second), {})
+            if denied in facts:
+                raise PddlError(group.at, f"{denied.predicate} is said to be true and not to be true")
+        else:
+            fact = reader.atom(group, {})
+            if fact.predicate in derived:
+                raise PddlError(group.at, f"{fact.predicate} is derived and cannot be given")
+            facts.append(fact)
+    return facts, costs
+
+
+def _minimises_costs(found: dict[str, list[Group]], domain: PddlDomain) -> bool:
+    """Whether the cheapest plan is wanted. The shortest one has the smallest ``total-time``, without durations."""
+    nodes = items(found, ":metric")
+    if not nodes:
+        return False
+    group = found[":metric"][0]
+    what = nodes[1] if len(nodes) == 2 else group
+    target = what.text if isinstance(what, Word) else what.head
+    if as_word(nodes[0]).text != "minimize" or target not in ("total-cost", "total-time"):
+        raise PddlError(group.at, "only (:metric minimize (total-cost)) is supported")
+    return target == "total-cost" and any(a.costs for a in domain.actions)
 
 
 def _original_names(text: str) -> dict[tuple[str, str], str]:
     return {(kind, form): name for kind, form, name in _TABLE.findall(text)}
+
+
+def _split(skill: str) -> tuple[str, tuple[str, ...]]:
+    name, *args = skill.split()
+    return name, tuple(args)

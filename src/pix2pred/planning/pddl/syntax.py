@@ -1,4 +1,4 @@
-"""The syntax of PDDL: nested lists of words that remember their lines, and typed lists."""
+"""The syntax of PDDL: nested lists of words that remember where they stand, and typed lists."""
 
 from __future__ import annotations
 
@@ -8,32 +8,40 @@ from dataclasses import dataclass
 
 from pix2pred.system.errors import Pix2predError
 
-_TOKEN = re.compile(r";[^\n]*|\n|[^\S\n]+|[()]|[^\s();]+")
+_TOKEN = re.compile(r";[^\n]*|\n|[^\S\n]+|[()]|\??[^\s();?]+|\?")
 _MAX_DEPTH = 50
 
 
-class PddlError(Pix2predError, ValueError):
-    """A text that is not PDDL of the supported kind; the message starts with the line."""
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """A line and a column of a text, both counted from 1."""
 
-    def __init__(self, line: int, message: str) -> None:
+    line: int
+    column: int
+
+
+class PddlError(Pix2predError, ValueError):
+    """A text that is not PDDL of the supported kind; the message starts with line and column."""
+
+    def __init__(self, place: Place, message: str) -> None:
         shown = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in message)
-        super().__init__(f"line {line}: {shown}")
+        super().__init__(f"line {place.line}, column {place.column}: {shown}")
 
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A symbol and the line it stands on."""
+    """A symbol and where it begins."""
 
     text: str
-    line: int
+    at: Place
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """A parenthesised list and the line it opens on."""
+    """A parenthesised list and where it opens."""
 
     items: tuple[Word | Group, ...]
-    line: int
+    at: Place
 
     @property
     def head(self) -> str:
@@ -41,23 +49,30 @@ class Group:
         return self.items[0].text if self.items and isinstance(self.items[0], Word) else ""
 
 
+Node = Word | Group
+
+
 def parse(text: str) -> Group:
     """The one list a PDDL file holds, in lower case. Raises ``PddlError``."""
-    stack: list[tuple[list[Word | Group], int]] = []
-    line = 1
+    stack: list[tuple[list[Node], Place]] = []
+    line, line_start = 1, 0
     done: Group | None = None
-    for token in _TOKEN.findall(text):
+    at = Place(1, 1)
+    for match in _TOKEN.finditer(text):
+        token = match[0]
+        at = Place(line, match.start() - line_start + 1)
         if token == "\n":
-            line += 1
+            line, line_start = line + 1, match.end()
+            at = Place(line, 1)
         elif token == "(":
             if done is not None:
-                raise PddlError(line, "text after the end of the definition")
+                raise PddlError(at, "text after the end of the definition")
             if len(stack) > _MAX_DEPTH:
-                raise PddlError(line, f"parentheses are nested more than {_MAX_DEPTH} deep")
-            stack.append(([], line))
+                raise PddlError(at, f"parentheses are nested more than {_MAX_DEPTH} deep")
+            stack.append(([], at))
         elif token == ")":
             if not stack:
-                raise PddlError(line, "a closing parenthesis too many")
+                raise PddlError(at, "a closing parenthesis too many")
             items, opened = stack.pop()
             group = Group(tuple(items), opened)
             if stack:
@@ -66,17 +81,25 @@ def parse(text: str) -> Group:
                 done = group
         elif not token.isspace() and not token.startswith(";"):
             if not stack:
-                raise PddlError(line, f"{token!r} stands outside all parentheses")
-            stack[-1][0].append(Word(token.lower(), line))
+                raise PddlError(at, f"{token!r} stands outside all parentheses")
+            stack[-1][0].append(Word(token.lower(), at))
     if stack:
         raise PddlError(stack[-1][1], "this parenthesis is never closed")
     if done is None:
-        raise PddlError(line, "the file is empty")
+        raise PddlError(at, "the file is empty")
     return done
 
 
-def typed_list(items: Sequence[Word | Group]) -> Iterator[tuple[Word, Word]]:
-    """(name, type) pairs of a typed list; without a type it is ``object``."""
+@dataclass(frozen=True, slots=True)
+class TypedWord:
+    """A name of a typed list with the types it may have: several with ``either``, ``object`` when none is given."""
+
+    name: Word
+    types: tuple[Word, ...]
+
+
+def typed_list(items: Sequence[Node]) -> Iterator[TypedWord]:
+    """The names of a typed list. Raises ``PddlError``."""
     pending: list[Word] = []
     words = iter(items)
     for item in words:
@@ -86,23 +109,27 @@ def typed_list(items: Sequence[Word | Group]) -> Iterator[tuple[Word, Word]]:
             continue
         type_item = next(words, None)
         if type_item is None:
-            raise PddlError(word.line, "a type is missing after '-'")
+            raise PddlError(word.at, "a type is missing after '-'")
         if isinstance(type_item, Group) and type_item.head == "either":
-            raise PddlError(type_item.line, "(either ...) is not supported; give the types a common parent")
-        yield from ((name, as_word(type_item)) for name in pending)
+            types = tuple(as_word(i) for i in type_item.items[1:])
+            if not types:
+                raise PddlError(type_item.at, "(either ...) takes the names of types")
+        else:
+            types = (as_word(type_item),)
+        yield from (TypedWord(name, types) for name in pending)
         pending = []
-    yield from ((name, Word("object", name.line)) for name in pending)
+    yield from (TypedWord(name, (Word("object", name.at),)) for name in pending)
 
 
-def as_word(node: Word | Group) -> Word:
+def as_word(node: Node) -> Word:
     """``node``, which must be a word."""
     if isinstance(node, Group):
-        raise PddlError(node.line, "expected a name, found a parenthesis")
+        raise PddlError(node.at, "expected a name, found a parenthesis")
     return node
 
 
-def as_group(node: Word | Group) -> Group:
+def as_group(node: Node) -> Group:
     """``node``, which must be a list."""
     if isinstance(node, Word):
-        raise PddlError(node.line, f"expected a parenthesis, found {node.text}")
+        raise PddlError(node.at, f"expected a parenthesis, found {node.text}")
     return node

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pix2pred.planning.heuristics.heuristic import Heuristic
-from pix2pred.planning.heuristics.lmcut import LMCut
+from pix2pred.planning.heuristics.lmcut_costs import landmark_cut
 from pix2pred.planning.search.search import SearchResult, extract_plan
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import PlanStatus
@@ -15,12 +15,12 @@ from pix2pred.structs import PlanStatus
 
 @dataclass(frozen=True, slots=True)
 class AStar:
-    """Shortest plans. Among equal f the deepest node is expanded first, then the oldest.
+    """Cheapest plans. Among equal f the deepest node is expanded first, then the oldest.
 
     ``heuristic`` builds the estimate for a task; ``max_nodes`` bounds the created nodes.
     """
 
-    heuristic: Callable[[Strips], Heuristic] = LMCut
+    heuristic: Callable[[Strips], Heuristic] = landmark_cut
     max_nodes: int = 1_000_000
 
     def __call__(self, task: Strips) -> SearchResult:
@@ -41,15 +41,16 @@ class AStar:
                 return SearchResult(PlanStatus.SOLVED, extract_plan(task.initial, state, parent), nodes)
             for k in task.applicable(state):
                 successor = task.successor(state, k)
-                if best.get(successor, g + 2) <= g + 1:
+                reached = g + task.cost(k)
+                if best.get(successor, reached + 1) <= reached:
                     continue
                 h = estimate.after(state, k, successor)
                 if h is None:
                     continue
-                best[successor] = g + 1
+                best[successor] = reached
                 parent[successor] = (state, k)
                 if nodes >= self.max_nodes:
                     return SearchResult(PlanStatus.BUDGET, (), nodes)
-                heapq.heappush(queue, (g + 1 + h, h, nodes, g + 1, successor))
+                heapq.heappush(queue, (reached + h, h, nodes, reached, successor))
                 nodes += 1
         return SearchResult(PlanStatus.UNSOLVABLE, (), nodes)

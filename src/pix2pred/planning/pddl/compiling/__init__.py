@@ -1,0 +1,1 @@
+"""From PDDL to a task on bits."""
