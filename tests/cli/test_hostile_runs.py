@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import resource
 import signal
 from pathlib import Path
+from typing import IO, Any
 
 import pytest
 
@@ -227,24 +229,34 @@ def test_a_wrong_answers_folder_does_not_spoil_the_run_folder(
     assert cli("learn", data, "--out", tmp_path / "run").code == 0
 
 
+class _FullDisk(contextlib.AbstractContextManager["_FullDisk"]):
+    """A file of which half is written before the disk is full; a failing write carries no file name."""
+
+    def __init__(self, file: IO[Any]) -> None:
+        self._file = file
+
+    def write(self, content: bytes) -> int:
+        self._file.write(content[: len(content) // 2])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+
 @pytest.mark.parametrize("victim", ["config.yaml", "answers", "blobs", "world_model.json", "metrics.json"])
 def test_a_full_disk_is_named_and_learning_resumes(
     cli: Cli, model: Model, data: Path, done: Path, tmp_path: Path, victim: str
 ) -> None:
     run = tmp_path / "run"
     full = pytest.MonkeyPatch()
-    real = Path.write_bytes
+    real = Path.open
 
-    def fill(path: Path, content: bytes) -> int:
-        if victim in str(path):
-            real(path, content[: len(content) // 2])
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # a failing write carries no file name
-        return real(path, content)
+    def fill(path: Path, mode: str = "r", *rest: Any, **options: Any) -> Any:
+        file = real(path, mode, *rest, **options)
+        return _FullDisk(file) if "r" not in mode and victim in str(path) else file
 
-    full.setattr(Path, "write_bytes", fill)
-    full.setattr(Path, "write_text", lambda path, text, **options: fill(path, text.encode()))
-    with full.context():
-        ran = cli("learn", data, "--out", run)
+    full.setattr(Path, "open", fill)
+    ran = cli("learn", data, "--out", run)
     full.undo()
     refused(ran, "No space left on device")
     whole(run)

@@ -60,14 +60,13 @@ def demo(
 
     pix2pred demo --recorded
     """
+    recording: Recording | None = None
     if recorded:
         recording = load_recording(family or RECORDED_FAMILY)
         shown = _recorded(registry, recording, out_dir, min(count, recording.about.tasks))
-        _say_what_it_proves(recording)
     else:
         shown = _read(registry, family or READER_FAMILY, seed, out_dir, count)
-        err.print("The offline reader is a set of small classifiers trained on pictures of this domain, not a VLM.")
-    metrics, summary, report = _learn_and_solve(registry, shown, quiet=json)
+    metrics, summary, report = _learn_and_solve(registry, shown, recording, quiet=json)
     run = shown.base / "run"
     if json:
         print_json({"run": str(run), "learn": metrics, "solve": summary})
@@ -104,20 +103,26 @@ def _recorded(registry: Registry, recording: Recording, out_dir: Path, count: in
     return _Shown(base, about.domain, about.family, about.seed, vlm, recording.settings, count)
 
 
-def _say_what_it_proves(recording: Recording) -> None:
+def _say_what_it_proves(recording: Recording | None) -> None:
+    if recording is None:
+        err.print("The offline reader is a set of small classifiers trained on pictures of this domain, not a VLM.")
+        return
     about = recording.about
     err.print(f"Replayed: {about.model} ({about.recorded}). Nothing is asked.", markup=False)
     for title, sentences in (("It shows:", about.shows), ("It does not show more:", about.does_not_show)):
         err.print(title, *(f"  {' '.join(sentence.split())}" for sentence in sentences), sep="\n", markup=False)
 
 
-def _learn_and_solve(registry: Registry, shown: _Shown, *, quiet: bool) -> tuple[dict[str, Any], dict[str, Any], Path]:
+def _learn_and_solve(
+    registry: Registry, shown: _Shown, recording: Recording | None, *, quiet: bool
+) -> tuple[dict[str, Any], dict[str, Any], Path]:
     """The summaries of learning and of solving, and where the report lies."""
     data, run = shown.base / "data", shown.base / "run"
     project = read_project(data)
     stored = read_tasks(data, project.vocabulary)[: shown.tasks]
     if len(stored) < shown.tasks:
         raise UsageError(f"{data}: holds {len(stored)} tasks; for {shown.tasks} choose another --out or delete it")
+    _say_what_it_proves(recording)
     tasks = [SimulatedTask(s.task, s.simulator or {}) for s in stored]
     settings = project_settings(project, *([of_file(shown.config)] if shown.config else []))
     metrics = run_learning(registry, project, settings, Asking(shown.vlm), run, quiet=quiet)
