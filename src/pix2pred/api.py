@@ -25,7 +25,7 @@ from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.learn import MODEL, SAMPLERS
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
 from pix2pred.structs.formats import world_model as files
-from pix2pred.vlm import VLM, AnswerStore
+from pix2pred.vlm import VLM, AnswerStore, Together
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def learn(
     chosen = settings or Settings.model_validate({"learning": dict(project.learning)})
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
     learned = learn_world(project.vocabulary, project.demos, model, chosen, progress)
-    labeller = Labeller(model, chosen.labels)
+    labeller = Labeller(model, chosen.labels, Together(chosen.flow.concurrent))
     return Model(Solver(learned.model, load_planner(planner), labeller, samplers=learned.samplers), learned)
 
 
@@ -149,7 +149,7 @@ def load_solver(
         raise RunFolderError(f"{folder.path / 'config.yaml'}: is damaged ({type(error).__name__}: {error})") from error
     if stored.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
-    labeller = Labeller(stored, settings.labels)
+    labeller = Labeller(stored, settings.labels, Together(settings.flow.concurrent))
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
     return Solver(model, load_planner(planner), labeller, closed_loop, samplers=samplers), config
 

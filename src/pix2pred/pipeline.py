@@ -29,7 +29,7 @@ from pix2pred.predicates import (
 )
 from pix2pred.structs import Candidate, Demo, PictureError, Predicate, TruthTable, Vocabulary, WorldModel
 from pix2pred.structs.samplers import Sampler
-from pix2pred.vlm import VLM, FlowSettings
+from pix2pred.vlm import VLM, FlowSettings, Together
 
 
 class Settings(BaseModel):
@@ -108,7 +108,7 @@ def visual_pool(
         demos,
         vlm,
         settings.proposal,
-        jobs=settings.flow.concurrent,
+        together=Together(settings.flow.concurrent),
         progress=lambda done, total, name: progress("propose", done, total, name),
     )
     return Pool(lift(proposals, taken=[p.name for p in vocabulary.initial]), proposals)
@@ -186,8 +186,7 @@ def ask_everything(
         demos,
         vocabulary.initial,
         made.candidates,
-        Labeller(vlm, settings.labels),
-        jobs=settings.flow.concurrent,
+        Labeller(vlm, settings.labels, Together(settings.flow.concurrent)),
         progress=lambda done, total, name: progress("label", done, total, name),
     )
     return made.proposals, labelling

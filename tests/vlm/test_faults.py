@@ -11,10 +11,19 @@ import numpy as np
 import pytest
 
 from pix2pred.images import ShownPictures
-from pix2pred.predicates import Labeller, Labelling, LabelSettings, ProposalSettings, label_demos, lift, propose
+from pix2pred.predicates import (
+    Labeller,
+    Labelling,
+    LabelSettings,
+    Occurrence,
+    ProposalSettings,
+    label_demos,
+    lift,
+    propose,
+)
 from pix2pred.predicates.labelling import asking
 from pix2pred.structs import Demo, Image, Object, Picture, State
-from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM
+from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM, Together
 from pix2pred.vlm.control.breaker import BreakerVLM
 from pix2pred.vlm.control.flow import FlowVLM
 from pix2pred.vlm.hosted.client import HostedVLM
@@ -58,9 +67,9 @@ def run(
         flowing = FlowVLM(hosted, flow)
         hosted.hold = flowing.hold
         vlm = StoredVLM(BreakerVLM(flowing, flow.unusable_in_a_row), AnswerStore(store))
-        proposals = propose(demos, vlm, ProposalSettings(attempts=8), jobs=flow.concurrent)
-        labeller = Labeller(vlm, LabelSettings(attempts=attempts))
-        labelling = label_demos(demos, (), lift(proposals), labeller, jobs=flow.concurrent)
+        proposals = propose(demos, vlm, ProposalSettings(attempts=8), together=Together(flow.concurrent))
+        labeller = Labeller(vlm, LabelSettings(attempts=attempts), Together(flow.concurrent))
+        labelling = label_demos(demos, (), lift(proposals), labeller)
     return Labelled(labelling, server)
 
 
@@ -106,7 +115,7 @@ def test_a_question_that_never_gets_an_answer_is_named_and_the_run_goes_on(fault
     assert check(labelled, faultless) > 0
     reasons = {g.reason for g in labelled.labelling.gaps}
     assert any("HTTP 500: this did not work, 2 times" in r for r in reasons), reasons
-    assert labelled.labelling.counts["unanswered"] > 0
+    assert labelled.labelling.counts[Occurrence.UNANSWERED] > 0
     again = run(store, {})
     assert check(again, faultless) < check(labelled, faultless), "resuming asks again what had no answer"
 
@@ -118,7 +127,7 @@ def test_a_model_of_short_answers_is_asked_about_fewer_atoms(
     flow = FLOW.model_copy(update={"unusable_in_a_row": 1})
     short = run(tmp_path, {}, most_tokens=4096, flow=flow)  # proposals ask for 8192
     budgets = [json.loads(body)["max_tokens"] for body in short.server.bodies]
-    assert max(budgets) > 4096 and short.labelling.counts["cut short"] > 0
+    assert max(budgets) > 4096 and short.labelling.counts[Occurrence.CUT_SHORT] > 0
     assert short.labelling.table.demos[0].atoms == faultless.labelling.table.demos[0].atoms
     assert check(short, faultless) == 0 and not short.labelling.gaps
 

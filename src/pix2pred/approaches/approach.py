@@ -26,7 +26,7 @@ from pix2pred.structs import (
     WorldModel,
 )
 from pix2pred.structs.environment import Environment
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, Together
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +112,8 @@ class ModelAgent:
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
         """Open loop, as the paper does in simulation."""
-        labeller = Labeller(self.training.vlm, self.training.settings.labels)
+        settings = self.training.settings
+        labeller = Labeller(self.training.vlm, settings.labels, Together(settings.flow.concurrent))
         solver = Solver(self.model, self.training.planner, labeller, samplers=self.learned.samplers)
         return solver.solve(task, environment, truth)
 
