@@ -49,6 +49,10 @@ class World(Protocol):
         ...
 
 
+RENDERING = {"burger": "drawing.render", "kitchen": "render", "coffee": "simulation.render"}
+"""The module of a domain that draws its worlds."""
+
+
 def part_of(domain: str, module: str) -> Any:
     """A module of a domain."""
     return import_module(f"pix2pred.domains.{domain}.{module}")
@@ -64,7 +68,7 @@ class Case:
 
 
 def render_worlds(domain: str, worlds: Sequence[World]) -> list[Scene]:
-    render = part_of(domain, "render").render
+    render = part_of(domain, RENDERING[domain]).render
     scenes = [Scene(render(world)) for world in worlds]
     for scene in scenes:
         for name in scene.picture.boxes:

@@ -31,7 +31,7 @@ from pix2pred.vlm.model_spec import hosted_model
 from predicates.scripted import OBJECTS, demo
 from vlm.fault_server import FAULTS, READABLE, FaultServer, text
 
-FLOW = FlowSettings(concurrent=6, timeout=1.0, first_pause=0.01, longest_pause=0.05, unusable_in_a_row=60)
+FLOW = FlowSettings(concurrent=6, timeout=60.0, first_pause=0.01, longest_pause=0.05, unusable_in_a_row=60)
 
 
 def rotated(one: Demo, turns: int) -> Demo:
@@ -62,6 +62,8 @@ def run(
     attempts: int = 4,
     most_tokens: int = 1_000_000,
 ) -> Labelled:
+    if "late" in rates:
+        flow = flow.model_copy(update={"timeout": 1.0})
     with FaultServer(rates, most_tokens=most_tokens).running() as server:
         hosted = HostedVLM(hosted_model(f"openai-compatible:tiny@{server.url}"), ShownPictures(), flow.timeout)
         flowing = FlowVLM(hosted, flow)
@@ -87,7 +89,8 @@ def check(labelled: Labelled, faultless: Labelled) -> int:
         for t, a in np.argwhere(one.values != other.values):
             phrase = str(one.atoms[a]).replace("0(", "(").replace("(p1)", "(patty1)").replace("(p2)", "(patty2)")
             assert (f"{one.name}, state {t}", phrase.replace("(c)", "(small_blue_cup)")) in named
-    assert not labelled.server.again, "a complete answer was asked for twice"
+    if not labelled.server.faults["late"]:  # where time runs out, a busy machine loses good answers too
+        assert not labelled.server.again, "a complete answer was asked for twice"
     return len(named)
 
 
