@@ -31,7 +31,7 @@ from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.learn import learn_into
 from pix2pred.settings import Settings
 from pix2pred.structs import Demo
-from pix2pred.vlm import Answer, AnswerStore, Request, StoredVLM
+from pix2pred.vlm import Answer, AnswerStore, Purpose, Request, StoredVLM
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 
 WHY = "The surface looks evenly lit and nothing covers it, which matches what was said about the state before."
@@ -47,7 +47,7 @@ class Talkative:
 
     def answer(self, request: Request) -> Answer:
         """A proposal, or labels that depend on word, object and state."""
-        if request.purpose == "propose":
+        if request.purpose == Purpose.PROPOSE:
             return Answer("\n".join(f"* {word}(patty1)" for word in self._words))
         state = max((view.state for view in request.views), default=0)
         lines = []

@@ -30,7 +30,7 @@ from pix2pred.images import ShownPictures
 from pix2pred.registry import load_stored, load_vlm
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import VLM, AnswerStore, Request
+from pix2pred.vlm import VLM, AnswerStore, Purpose, Request
 from vlm.fault_server import FaultServer
 
 
@@ -70,7 +70,7 @@ def requests(count: int) -> list[Request]:
     made = []
     for n in range(count):
         views = [View(photo(4 * n + i), i, heading=f"state {i}, camera main") for i in range(4)]
-        made.append(Request("label", (f"Question {n}\n{history}\nPredicates:\n{atoms}", *views), 4000))
+        made.append(Request(Purpose.LABEL, (f"Question {n}\n{history}\nPredicates:\n{atoms}", *views), 4000))
     return made
 
 
@@ -82,7 +82,9 @@ def labelling(count: int) -> list[Request]:
     for n in range(count):
         shown = [("before", photos[n], n), ("after", photos[n + 1], n + 1)]
         views = [View(p, t, crop, heading=f"{name}: {t}") for crop in (None, around) for name, p, t in shown]
-        made.append(Request("label", (f"Question {n} of a row\n\nPredicates:\non(object1, object2)", *views), 4000))
+        made.append(
+            Request(Purpose.LABEL, (f"Question {n} of a row\n\nPredicates:\non(object1, object2)", *views), 4000)
+        )
     return made
 
 

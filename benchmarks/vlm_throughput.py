@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from pix2pred.predicates import Labeller, LabelSettings, ProposalSettings, label_demos, lift, propose
 from pix2pred.registry import load_domain, load_stored, load_vlm
 from pix2pred.structs import Demo, State
-from pix2pred.vlm import AnswerStore, FlowSettings, Request
+from pix2pred.vlm import AnswerStore, FlowSettings, Purpose, Request, Together
 from predicates.scripted import demo
 from vlm_overhead import photo, with_server
 
@@ -49,10 +49,10 @@ def measure(url: str, demos: Sequence[Demo], seconds: float, places: int) -> dic
     model = f"openai-compatible:tiny@{url}"
     with tempfile.TemporaryDirectory() as folder:
         vlm = load_stored(model, None, AnswerStore(Path(folder)), flow=flow)
-        load_vlm(model, None).answer(Request("warm", ("Hello",), 10))  # imports
+        load_vlm(model, None).answer(Request(Purpose.DOCTOR, ("Hello",), 10))  # imports
         begin, cpu = time.perf_counter(), time.process_time()
-        proposals = propose(demos, vlm, ProposalSettings(), jobs=places)
-        label_demos(demos, (), lift(proposals), Labeller(vlm, LabelSettings()), jobs=places)
+        proposals = propose(demos, vlm, ProposalSettings(), together=Together(places))
+        label_demos(demos, (), lift(proposals), Labeller(vlm, LabelSettings(), Together(places)))
         took, cpu = time.perf_counter() - begin, time.process_time() - cpu
     chain = seconds * (2 + 2 * max(len(d.actions) for d in demos))
     return {

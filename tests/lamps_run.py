@@ -12,14 +12,14 @@ from pix2pred.report import write_report
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.learn import learn_into
 from pix2pred.settings import of_project, resolve
-from pix2pred.vlm import AnswerStore, Request, StoredVLM
+from pix2pred.vlm import AnswerStore, Purpose, Request, StoredVLM
 
 BOMB = "</script><script>window.boom=1</script><img src=x onerror=window.boom=2>"
 """What must never run, wherever it comes from."""
 
 
 def _says(request: Request) -> str:
-    if request.purpose == "propose":
+    if request.purpose == Purpose.PROPOSE:
         return "* lit(l1)\n* bright(l1)\n* near(robby, l2)\n* lit(ghost)\n"
     return sees(request).replace("As seen.", f"As seen {BOMB}")
 

@@ -20,7 +20,7 @@ from pix2pred.settings import of_project, resolve
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import KnowsTruth, Replayable, Sized
 from pix2pred.structs.formats.names import UnknownNameError
-from pix2pred.vlm import AnswerStore, Request
+from pix2pred.vlm import AnswerStore, Purpose, Request
 
 PAGE = Path(__file__).parents[1] / "docs" / "extending.md"
 
@@ -59,7 +59,7 @@ def test_an_approach_from_outside_trains(installed: Path, tmp_path: Path) -> Non
 def test_a_kind_of_model_from_outside_answers_and_is_stored(installed: Path, tmp_path: Path) -> None:
     store = AnswerStore(tmp_path / "store")
     model = REGISTRY.stored("says:hello", None, store)
-    request = Request("propose", ("Hello?",), 10)
+    request = Request(Purpose.PROPOSE, ("Hello?",), 10)
     assert model.answer(request).text == "hello"
     assert REGISTRY.stored("says:hello", None, store).answer(request).stored
     assert REGISTRY.estimator("says:hello", None, store).name == "says:hello"

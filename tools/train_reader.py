@@ -49,8 +49,8 @@ class World(Protocol):
         ...
 
 
-DRAWN_BY = {"burger": "drawing.render", "coffee": "simulation.render"}
-"""Where a domain's pictures are drawn, if not in its ``render``."""
+RENDERING = {"burger": "drawing.render", "kitchen": "render", "coffee": "simulation.render"}
+"""The module of a domain that draws its worlds."""
 
 
 def part_of(domain: str, module: str) -> Any:
@@ -68,7 +68,7 @@ class Case:
 
 
 def render_worlds(domain: str, worlds: Sequence[World]) -> list[Scene]:
-    render = part_of(domain, DRAWN_BY.get(domain, "render")).render
+    render = part_of(domain, RENDERING[domain]).render
     scenes = [Scene(render(world)) for world in worlds]
     for scene in scenes:
         for name in scene.picture.boxes:

@@ -27,7 +27,7 @@ from pix2pred.settings import Settings, of_project, resolve
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
 from pix2pred.structs.formats import world_model as files
 from pix2pred.system.progress import Progress, silent
-from pix2pred.vlm import VLM, AnswerStore
+from pix2pred.vlm import VLM, AnswerStore, Together
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def learn(
     chosen = settings or resolve(of_project(project.learning))
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
     learned = learn_world(LearningProblem(project.vocabulary, project.demos, model, chosen, progress))
-    labeller = Labeller(model, chosen.labels)
+    labeller = Labeller(model, chosen.labels, Together(chosen.flow.concurrent))
     return Model(Solver(learned.model, REGISTRY.planner(planner), labeller, samplers=learned.samplers), learned)
 
 
@@ -156,7 +156,7 @@ def load_solver(
         raise RunFolderError(f"{folder.path / CONFIG}: is damaged ({type(error).__name__}: {error})") from error
     if stored.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
-    labeller = Labeller(stored, settings.labels)
+    labeller = Labeller(stored, settings.labels, Together(settings.flow.concurrent))
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
     return Solver(model, registry.planner(planner), labeller, closed_loop, samplers=samplers), config
 

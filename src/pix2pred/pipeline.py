@@ -29,7 +29,7 @@ from pix2pred.settings import Settings
 from pix2pred.structs import Candidate, Demo, PictureError, Predicate, TruthTable, Vocabulary, WorldModel
 from pix2pred.structs.samplers import Sampler
 from pix2pred.system.progress import Progress, Stage, silent
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, Together
 
 NO_CORRECTIONS = Corrections()
 
@@ -109,7 +109,11 @@ def visual_pool(problem: LearningProblem) -> Pool:
     settings = problem.settings
     problem.progress(Stage.PROPOSE, 0, len(problem.demos), "")
     proposals = propose(
-        problem.demos, problem.vlm, settings.proposal, jobs=settings.flow.concurrent, progress=problem.progress
+        problem.demos,
+        problem.vlm,
+        settings.proposal,
+        together=Together(settings.flow.concurrent),
+        progress=problem.progress,
     )
     return Pool(lift(proposals, taken=[p.name for p in problem.vocabulary.initial]), proposals)
 
@@ -133,8 +137,7 @@ def label(problem: LearningProblem, pool: Pool) -> Labelling:
         problem.demos,
         problem.vocabulary.initial,
         pool.candidates,
-        Labeller(problem.vlm, settings.labels),
-        jobs=settings.flow.concurrent,
+        Labeller(problem.vlm, settings.labels, Together(settings.flow.concurrent)),
         progress=problem.progress,
     )
 

@@ -22,7 +22,7 @@ from pix2pred.structs import Demo
 from pix2pred.structs.environment import Domain, SimulatedTask
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.parallel import Workers
-from pix2pred.vlm import VLM, Answer, Request, StoreMode
+from pix2pred.vlm import VLM, Answer, Purpose, Request, StoreMode
 from pix2pred.vlm.offline.prompt_format import asked_atoms, current_views, label_answer, value_line
 
 ONE = Workers(1)
@@ -54,7 +54,7 @@ class HashVLM:
     name: str = "hash"
 
     def answer(self, request: Request) -> Answer:
-        if request.purpose == "propose":
+        if request.purpose == Purpose.PROPOSE:
             return Answer("cooked(patty1), empty_handed(robot), shiny(grill)")
         picture = current_views(request.views)[0].picture.image.digest
         lines = [

@@ -12,7 +12,7 @@ import numpy as np
 import PIL.Image
 
 from pix2pred.registry import Registry
-from pix2pred.vlm import VLM, Answer, AnswerStore, Request, StoredVLM, StoreMode
+from pix2pred.vlm import VLM, Answer, AnswerStore, Purpose, Request, StoredVLM, StoreMode
 from pix2pred.vlm.offline.prompt_format import asked_atoms, current_views
 
 DOMAIN = """\
@@ -94,7 +94,7 @@ def write_lamps(root: Path, demos: int = 2) -> Path:
 
 def sees(request: Request) -> str:
     """An honest answer: ``lit`` is read from the pixels."""
-    if request.purpose == "propose":
+    if request.purpose == Purpose.PROPOSE:
         return "* lit(l1)\n* near(robby, l2)\n"
     view = current_views(request.views)[0]
     pixels = view.picture.image.pixels()
@@ -120,7 +120,7 @@ class Fake:
 
     def answer(self, request: Request) -> Answer:
         self.asked.append(request)
-        return Answer((self.propose if request.purpose == "propose" else self.label)(request))
+        return Answer((self.propose if request.purpose == Purpose.PROPOSE else self.label)(request))
 
 
 @dataclass

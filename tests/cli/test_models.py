@@ -23,7 +23,7 @@ from lamps_run import learn_lamps
 from pix2pred.structs import Image
 from pix2pred.structs.formats.traces import load_traces
 from pix2pred.structs.views import HEADING_HEIGHT
-from pix2pred.vlm import Answer, AnswerStore, Request
+from pix2pred.vlm import Answer, AnswerStore, Purpose, Request
 from vlm.fault_server import FaultServer, pictures
 
 KILLS = int(os.environ.get("PIX2PRED_KILLS", "2"))
@@ -317,10 +317,10 @@ def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
     with FaultServer(rates).running() as server:
         vlm = HostedVLM(hosted_model(model(server)), ShownPictures(), 0.8)
         if not rates:
-            vlm.answer(Request("label", ("x",), 10))
+            vlm.answer(Request(Purpose.LABEL, ("x",), 10))
         else:
             with pytest.raises(VLMError) as caught:
-                vlm.answer(Request("label", ("x",), 10))
+                vlm.answer(Request(Purpose.LABEL, ("x",), 10))
             error = caught.value
             assert error.__cause__ is None and error.__suppress_context__
             told = "".join(traceback.TracebackException.from_exception(error, capture_locals=False).format())
@@ -449,7 +449,7 @@ def test_what_a_model_says_cannot_command_the_terminal(cli: Cli, tmp_path: Path)
     """Titles, colours, clipboard writes, cleared screens and reordered text are shown instead of obeyed."""
     hostile = "* lit(l1)\n\x1b]0;owned\x07\x1b[2J\x1b]52;c;aGk=\x07\x9b31m\u202etxt.exe\r> ok\x00\tend"
     store = AnswerStore(tmp_path)
-    store.put(Request("propose", ("what?\x1b[31m",), 10), "m\x1b[1m", Answer(hostile))
+    store.put(Request(Purpose.PROPOSE, ("what?\x1b[31m",), 10), "m\x1b[1m", Answer(hostile))
     listed = cli("answers", "list", tmp_path).out
     shown = cli("answers", "show", tmp_path, store.all_keys()[0][:8]).out
     for text in (listed, shown):

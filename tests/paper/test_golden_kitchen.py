@@ -60,7 +60,7 @@ def test_of_the_features_one_that_says_a_burner_is_on_is_selected() -> None:
     types = tuple({o.type.name: o.type for o in demos[0].objects}.values())
     pool = feature_predicates(demos, types, GrammarSettings())
     nobody = Labeller(NoisyOracle([], lambda view, word, names: False), LabelSettings())
-    table = label_demos(demos, labelled()[0].initial, pool, nobody, jobs=1).table
+    table = label_demos(demos, labelled()[0].initial, pool, nobody).table
     selection = select(table)
     (chosen,) = selection.selected
     assert isinstance(chosen.source, FromFeatures)

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
-from pix2pred.predicates import READ, Labeller, LabelSettings, StateLabels, ground_atoms
+from pix2pred.predicates import Labeller, LabelSettings, Occurrence, StateLabels, ground_atoms
 from pix2pred.predicates.prompt import atom_text
 from pix2pred.structs import (
     Demo,
     Label,
 )
-from pix2pred.vlm import Answer, Finish, Request, Token
+from pix2pred.vlm import Answer, Finish, Purpose, Request, Token
 from predicates.scripted import COOKED, OBJECTS, P1, P2, UNDER, Script, ScriptedVLM, demo
 
 ATOMS = ground_atoms((COOKED, UNDER), OBJECTS)
@@ -96,7 +96,7 @@ def test_the_prompt_does_not_speak_of_pictures_that_are_not_there() -> None:
 
 def by_purpose(first: str, later: str, check: str) -> Callable[[Request], str]:
     def answer(request: Request) -> str:
-        if request.purpose == "double-check":
+        if request.purpose == Purpose.DOUBLE_CHECK:
             return check
         return later if "Executed skill" in request.text else first
 
@@ -126,10 +126,10 @@ def test_a_refused_double_check_keeps_the_answer() -> None:
 
 def test_counts_of_both_answers_are_kept() -> None:
     _, labels = label(by_purpose("", "cooked(patty1): Maybe. cooked(patty2): True.", "cooked(patty1): True."))
-    assert labels[1].counts["other words"] == 1
+    assert labels[1].counts[Occurrence.OTHER_WORDS] == 1
     settings = LabelSettings(attempts=1)
     _, labels = label(by_purpose("", "cooked(patty1): Maybe. cooked(patty2): True.", "cooked(patty1): True."), settings)
-    assert labels[1].counts["other words"] == 1
+    assert labels[1].counts[Occurrence.OTHER_WORDS] == 1
 
 
 GAPS = [
@@ -142,7 +142,7 @@ GAPS = [
 def test_missing_values_are_carried_or_false() -> None:
     _, labels = label(GAPS)
     assert values(labels) == [[Label.TRUE, Label.UNKNOWN], [Label.TRUE, Label.UNKNOWN], [Label.FALSE, Label.UNKNOWN]]
-    assert [s.counts["missing"] for s in labels] == [2, 3, 3]
+    assert [s.counts[Occurrence.MISSING] for s in labels] == [2, 3, 3]
     _, labels = label(GAPS, LabelSettings(double_check=False, attempts=1, missing="false"))
     assert values(labels) == [[Label.TRUE, Label.UNKNOWN], [Label.FALSE, Label.FALSE], [Label.FALSE, Label.FALSE]]
 
@@ -158,9 +158,9 @@ def test_unusable_answers_are_asked_again_and_counted() -> None:
     assert [r.attempt for r in vlm.asked] == [0, 1, 0, 1, 2, 0]
     assert values(labels) == [[Label.TRUE, Label.FALSE]] * 3
     assert [s.counts for s in labels] == [
-        {READ: 1, "unusable answers": 1},
+        {Occurrence.READ: 1, "unusable answers": 1},
         {"unasked": 1, "unusable answers": 3, "missing": 4},
-        {READ: 1},
+        {Occurrence.READ: 1},
     ]
     (gap,) = labels[1].gaps
     assert (gap.about, gap.purpose, len(gap.atoms)) == ("d, state 1", "label", 4)
@@ -199,7 +199,7 @@ def test_an_answer_cut_short_is_not_read_and_its_atoms_are_asked_about_in_halves
     labels = Labeller(vlm, ASKING).demo(demo(actions=0), ATOMS)
     assert vlm.asked == [4, 2, 1, 1, 2, 1, 1]
     assert set(labels[0].values.values()) == {Label.TRUE} and not labels[0].gaps
-    assert labels[0].counts["cut short"] == 3
+    assert labels[0].counts[Occurrence.CUT_SHORT] == 3
 
 
 def test_a_single_atom_cut_short_gets_a_larger_budget_and_then_is_given_up() -> None:
@@ -319,8 +319,8 @@ def test_a_changed_later_state_changes_no_earlier_query() -> None:
 
 def test_every_question_announces_the_pictures_of_the_next_without_being_another_question() -> None:
     vlm, _ = label(lambda request: "cooked(patty1): True.", LabelSettings(attempts=1), demo(actions=3))
-    labels = [r for r in vlm.asked if r.purpose == "label"]
+    labels = [r for r in vlm.asked if r.purpose == Purpose.LABEL]
     assert [r.upcoming for r in labels] == [*(r.views for r in labels[1:]), ()]
-    checks = [r for r in vlm.asked if r.purpose == "double-check"]
+    checks = [r for r in vlm.asked if r.purpose == Purpose.DOUBLE_CHECK]
     assert [r.upcoming for r in checks] == [r.upcoming for r in labels[1:]]
     assert all(replace(r, upcoming=()).key("m") == r.key("m") for r in vlm.asked)

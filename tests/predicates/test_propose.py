@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from pix2pred.predicates import EmptyProposalError, Proposal, ProposalSettings, ProposedAtom, lift, propose
 from pix2pred.predicates.proposing.propose import read_proposal
 from pix2pred.structs import FromVLM, Object, Type
+from pix2pred.vlm import Together
 from predicates.scripted import BLUE_CUP, CUP, ITEM, OBJECTS, P1, P2, PATTY, ScriptedVLM, demo
 
 DIVERSE = ProposalSettings()
@@ -66,7 +67,7 @@ def test_whatever_is_answered_only_known_objects_get_in(text: str) -> None:
 
 def test_an_unusable_answer_is_asked_again() -> None:
     vlm = ScriptedVLM(["I can't help with that.", "raw(nothing)", "raw(p1)"])
-    (proposal,) = propose([demo()], vlm, DIVERSE, jobs=1)
+    (proposal,) = propose([demo()], vlm, DIVERSE, together=Together(1))
     assert accepted(proposal) == ["raw(p1)"]
     assert [r.attempt for r in vlm.asked] == [0, 1, 2]
     assert len({r.key("m") for r in vlm.asked}) == 3
@@ -75,7 +76,10 @@ def test_an_unusable_answer_is_asked_again() -> None:
 
 def test_a_demonstration_without_atoms_is_no_error_unless_all_are() -> None:
     one = propose(
-        [demo(name="a"), demo(name="b")], ScriptedVLM(["raw(p1)", "", ""]), ProposalSettings(attempts=2), jobs=1
+        [demo(name="a"), demo(name="b")],
+        ScriptedVLM(["raw(p1)", "", ""]),
+        ProposalSettings(attempts=2),
+        together=Together(1),
     )
     assert [len(p.accepted) for p in one] == [1, 0]
     with pytest.raises(EmptyProposalError, match="scripted proposed no usable predicate for any of 2"):
@@ -85,14 +89,14 @@ def test_a_demonstration_without_atoms_is_no_error_unless_all_are() -> None:
 def test_proposals_are_in_the_order_of_the_demonstrations_with_many_threads() -> None:
     demos = [demo(actions=i, name=f"d{i}") for i in range(6)]
     vlm = ScriptedVLM(lambda request: f"n{len(request.views)}(p1)")
-    found = propose(demos, vlm, DIVERSE, jobs=4)
+    found = propose(demos, vlm, DIVERSE, together=Together(4))
     assert [p.demo for p in found] == [d.name for d in demos]
     assert [accepted(p) for p in found] == [[f"n{i + 1}(p1)"] for i in range(6)]
 
 
 def test_every_state_and_camera_is_shown_under_its_heading() -> None:
     vlm = ScriptedVLM(["raw(p1)"])
-    propose([demo(cameras=("left", "right"))], vlm, ProposalSettings(marks=False), jobs=1)
+    propose([demo(cameras=("left", "right"))], vlm, ProposalSettings(marks=False), together=Together(1))
     views = vlm.asked[0].views
     assert [v.heading for v in views] == [f"state {t}, camera {c}" for t in range(3) for c in ("left", "right")]
     assert not any(v.marks for v in views)

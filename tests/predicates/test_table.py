@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pix2pred.predicates import Abstraction, Labeller, LabelSettings, ground_atoms, label_demos
+from pix2pred.predicates import Abstraction, Labeller, LabelSettings, Occurrence, ground_atoms, label_demos
 from pix2pred.structs import (
     Candidate,
     FromFeatures,
@@ -16,6 +16,7 @@ from pix2pred.structs import (
     State,
 )
 from pix2pred.system.progress import Stage
+from pix2pred.vlm import Together
 from predicates.scripted import COOKED, HOLDING, ITEM, OBJECTS, P1, P2, POOL, ROBOT, UNDER, R, ScriptedVLM, demo, state
 
 ANSWERS = ["cooked(patty1): Unknown. cooked(patty2): True.", "cooked(patty1): True.", "cooked(patty2): False."]
@@ -24,7 +25,7 @@ PLAIN = LabelSettings(double_check=False, attempts=1)
 
 
 def test_unknown_stays_in_the_table_and_is_false_in_abstract_states() -> None:
-    labelling = label_demos([demo()], (HOLDING, HELD), POOL, Labeller(ScriptedVLM(ANSWERS), PLAIN), jobs=1)
+    labelling = label_demos([demo()], (HOLDING, HELD), POOL, Labeller(ScriptedVLM(ANSWERS), PLAIN))
     (one,) = labelling.table.demos
     column = one.atoms.index(COOKED(P1))
     assert one.values[:, column].tolist() == [Label.UNKNOWN, 1, 1]
@@ -32,13 +33,13 @@ def test_unknown_stays_in_the_table_and_is_false_in_abstract_states() -> None:
         {COOKED(P2)}, {COOKED(P1), COOKED(P2), HELD(P1)}, {COOKED(P1), HELD(P1)}
     ]  # fmt: skip
     assert labelling.table.count(Label.UNKNOWN) == 1
-    assert labelling.counts["missing"] == 2 + 3 + 3
+    assert labelling.counts[Occurrence.MISSING] == 2 + 3 + 3
     assert [s.text for s in labelling.answers[0]] == ANSWERS
 
 
 def test_nothing_is_asked_when_no_predicate_needs_it() -> None:
     vlm = ScriptedVLM([])
-    labelling = label_demos([demo()], (HOLDING, HELD), (), Labeller(vlm, PLAIN), jobs=1)
+    labelling = label_demos([demo()], (HOLDING, HELD), (), Labeller(vlm, PLAIN))
     assert vlm.asked == []
     assert labelling.answers == ((),)
 
@@ -49,10 +50,12 @@ def test_threads_change_nothing_and_progress_counts() -> None:
     tables = [
         label_demos(
             demos, (HOLDING,), POOL,
-            Labeller(ScriptedVLM(lambda r: f"cooked(patty{len(r.text) % 2 + 1}): True."), LabelSettings()),
-            jobs=jobs, progress=lambda stage, done, total, name: seen.append((stage, done, total, name)),
+            Labeller(
+                ScriptedVLM(lambda r: f"cooked(patty{len(r.text) % 2 + 1}): True."), LabelSettings(), Together(places)
+            ),
+            progress=lambda stage, done, total, name: seen.append((stage, done, total, name)),
         ).table
-        for jobs in (1, 4)
+        for places in (1, 4)
     ]  # fmt: skip
     assert tables[0] == tables[1]
     assert seen == [(Stage.LABEL, i, 5, f"d{i}") for i in range(1, 6)] * 2
@@ -89,7 +92,7 @@ def test_an_initial_and_a_proposed_predicate_may_have_the_same_words() -> None:
     initial = Predicate("Holding", (ROBOT, ITEM), FromVLM("holding"))
     proposed = Candidate(Predicate("holding0", (ROBOT, P1.type), FromVLM("holding")), 2.0)
     labeller = Labeller(ScriptedVLM(lambda request: "holding(robot, patty1): True."), PLAIN)
-    (one,) = label_demos([demo()], (initial,), (proposed,), labeller, jobs=1).table.demos
+    (one,) = label_demos([demo()], (initial,), (proposed,), labeller).table.demos
     assert one.abstract_states() == (frozenset({initial(R, P1), proposed.predicate(R, P1)}),) * 3
 
 

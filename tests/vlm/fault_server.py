@@ -10,6 +10,7 @@ import hashlib
 import json
 import random
 import re
+import select
 import threading
 import time
 from collections import Counter
@@ -18,8 +19,8 @@ from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-LATE = 1.2
-"""Seconds a late answer takes; tests give up earlier."""
+LATE = 120.0
+"""Seconds after which a late answer is given up, should nobody hang up before."""
 
 _ATOM = re.compile(r"^(\w+)\(([^()]*)\)$")
 
@@ -226,7 +227,7 @@ class FaultServer:
         elif fault in ("429", "500", "502"):
             _send(handler, int(fault), error)
         elif fault == "late":
-            time.sleep(LATE)
+            select.select([handler.connection], [], [], LATE)  # until whoever asked has hung up
             handler.close_connection = True
         elif fault == "cut before":
             handler.close_connection = True

@@ -17,7 +17,7 @@ import numpy as np
 from pix2pred.images import ShownPictures
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import Request
+from pix2pred.vlm import Purpose, Request
 from pix2pred.vlm.hosted.client import HostedVLM
 from pix2pred.vlm.model_spec import hosted_model
 
@@ -64,4 +64,4 @@ def view(shade: int, t: int) -> View:
     return View(Picture("main", Image.from_pixels(pixels)), t, heading=f"state {t}, camera main")
 
 
-REQUEST = Request("label", ("Before and after:", view(20, 0), view(220, 1), "\nPredicates:\nlit(a)"), 24)
+REQUEST = Request(Purpose.LABEL, ("Before and after:", view(20, 0), view(220, 1), "\nPredicates:\nlit(a)"), 24)

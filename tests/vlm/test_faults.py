@@ -11,10 +11,19 @@ import numpy as np
 import pytest
 
 from pix2pred.images import ShownPictures
-from pix2pred.predicates import Labeller, Labelling, LabelSettings, ProposalSettings, label_demos, lift, propose
+from pix2pred.predicates import (
+    Labeller,
+    Labelling,
+    LabelSettings,
+    Occurrence,
+    ProposalSettings,
+    label_demos,
+    lift,
+    propose,
+)
 from pix2pred.predicates.labelling import asking
 from pix2pred.structs import Demo, Image, Object, Picture, State
-from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM
+from pix2pred.vlm import AnswerStore, FlowSettings, StoredVLM, Together
 from pix2pred.vlm.control.breaker import BreakerVLM
 from pix2pred.vlm.control.flow import FlowVLM
 from pix2pred.vlm.hosted.client import HostedVLM
@@ -22,7 +31,7 @@ from pix2pred.vlm.model_spec import hosted_model
 from predicates.scripted import OBJECTS, demo
 from vlm.fault_server import FAULTS, READABLE, FaultServer, text
 
-FLOW = FlowSettings(concurrent=6, timeout=1.0, first_pause=0.01, longest_pause=0.05, unusable_in_a_row=60)
+FLOW = FlowSettings(concurrent=6, timeout=60.0, first_pause=0.01, longest_pause=0.05, unusable_in_a_row=60)
 
 
 def rotated(one: Demo, turns: int) -> Demo:
@@ -53,14 +62,16 @@ def run(
     attempts: int = 4,
     most_tokens: int = 1_000_000,
 ) -> Labelled:
+    if "late" in rates:
+        flow = flow.model_copy(update={"timeout": 1.0})
     with FaultServer(rates, most_tokens=most_tokens).running() as server:
         hosted = HostedVLM(hosted_model(f"openai-compatible:tiny@{server.url}"), ShownPictures(), flow.timeout)
         flowing = FlowVLM(hosted, flow)
         hosted.hold = flowing.hold
         vlm = StoredVLM(BreakerVLM(flowing, flow.unusable_in_a_row), AnswerStore(store))
-        proposals = propose(demos, vlm, ProposalSettings(attempts=8), jobs=flow.concurrent)
-        labeller = Labeller(vlm, LabelSettings(attempts=attempts))
-        labelling = label_demos(demos, (), lift(proposals), labeller, jobs=flow.concurrent)
+        proposals = propose(demos, vlm, ProposalSettings(attempts=8), together=Together(flow.concurrent))
+        labeller = Labeller(vlm, LabelSettings(attempts=attempts), Together(flow.concurrent))
+        labelling = label_demos(demos, (), lift(proposals), labeller)
     return Labelled(labelling, server)
 
 
@@ -78,7 +89,8 @@ def check(labelled: Labelled, faultless: Labelled) -> int:
         for t, a in np.argwhere(one.values != other.values):
             phrase = str(one.atoms[a]).replace("0(", "(").replace("(p1)", "(patty1)").replace("(p2)", "(patty2)")
             assert (f"{one.name}, state {t}", phrase.replace("(c)", "(small_blue_cup)")) in named
-    assert not labelled.server.again, "a complete answer was asked for twice"
+    if not labelled.server.faults["late"]:  # where time runs out, a busy machine loses good answers too
+        assert not labelled.server.again, "a complete answer was asked for twice"
     return len(named)
 
 
@@ -106,7 +118,7 @@ def test_a_question_that_never_gets_an_answer_is_named_and_the_run_goes_on(fault
     assert check(labelled, faultless) > 0
     reasons = {g.reason for g in labelled.labelling.gaps}
     assert any("HTTP 500: this did not work, 2 times" in r for r in reasons), reasons
-    assert labelled.labelling.counts["unanswered"] > 0
+    assert labelled.labelling.counts[Occurrence.UNANSWERED] > 0
     again = run(store, {})
     assert check(again, faultless) < check(labelled, faultless), "resuming asks again what had no answer"
 
@@ -118,7 +130,7 @@ def test_a_model_of_short_answers_is_asked_about_fewer_atoms(
     flow = FLOW.model_copy(update={"unusable_in_a_row": 1})
     short = run(tmp_path, {}, most_tokens=4096, flow=flow)  # proposals ask for 8192
     budgets = [json.loads(body)["max_tokens"] for body in short.server.bodies]
-    assert max(budgets) > 4096 and short.labelling.counts["cut short"] > 0
+    assert max(budgets) > 4096 and short.labelling.counts[Occurrence.CUT_SHORT] > 0
     assert short.labelling.table.demos[0].atoms == faultless.labelling.table.demos[0].atoms
     assert check(short, faultless) == 0 and not short.labelling.gaps
 

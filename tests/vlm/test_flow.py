@@ -8,13 +8,13 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
-from pix2pred.vlm import Answer, Finish, FlowSettings, NoAnswerError, Request, Review, Spent, VLMError
+from pix2pred.vlm import Answer, Finish, FlowSettings, NoAnswerError, Purpose, Request, Review, Spent, VLMError
 from pix2pred.vlm.control.breaker import BreakerVLM, UselessModelError
 from pix2pred.vlm.control.budget import BudgetError, BudgetVLM
 from pix2pred.vlm.control.flow import FlowVLM, TransientError
 from pix2pred.vlm.control.rate_limits import pause_after, retry_after, seconds
 
-REQUEST = Request("label", ("Is it?",), 10)
+REQUEST = Request(Purpose.LABEL, ("Is it?",), 10)
 
 
 @dataclass

@@ -17,7 +17,7 @@ from extras import need
 from pix2pred.images import ShownPictures, draw_view
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import Finish, NoAnswerError, Request, VLMError
+from pix2pred.vlm import Finish, NoAnswerError, Purpose, Request, VLMError
 from pix2pred.vlm.control.flow import TransientError
 from pix2pred.vlm.hosted.client import HostedVLM, _tokens
 from pix2pred.vlm.hosted.pricing import dollars
@@ -32,7 +32,9 @@ VIEWS = [
     )
     for t in range(3)
 ]
-REQUEST = Request("label", ("First this.", VIEWS[0], "Then that.", *VIEWS[1:], "\nPredicates:\nlit(a)"), 777, 0.5, 2, 3)
+REQUEST = Request(
+    Purpose.LABEL, ("First this.", VIEWS[0], "Then that.", *VIEWS[1:], "\nPredicates:\nlit(a)"), 777, 0.5, 2, 3
+)
 
 
 @pytest.fixture

@@ -25,7 +25,7 @@ from pix2pred.domains.burger.world import World
 from pix2pred.predicates import Labeller, LabelSettings, Step, ground_atoms
 from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Label, Object, Picture, Predicate, State
-from pix2pred.vlm import Answer, Request
+from pix2pred.vlm import Answer, Purpose, Request
 from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
 
@@ -104,7 +104,7 @@ def test_the_card_describes_these_weights() -> None:
 def test_proposals_name_a_hundred_predicates_with_synonyms_antonyms_and_distractors() -> None:
     demo_objects = "\n".join(f"- {n} ({t})" for n, t in (("patty1", "patty"), ("robot", "robot"), ("grill", "grill"),
                              ("bottom_bun1", "bottom_bun"), ("top_bun1", "top_bun")))  # fmt: skip
-    text = reader().answer(Request("propose", (demo_objects,), 1)).text
+    text = reader().answer(Request(Purpose.PROPOSE, (demo_objects,), 1)).text
     found = set(re.findall(r"\w+\([\w, ]+\)", text))
     assert len(found) >= 100
     assert {"cooked(patty1)", "grilled(patty1)", "raw(patty1)", "shiny(patty1)", "hand_empty(robot)"} <= found
@@ -187,7 +187,7 @@ def test_odd_prompts_get_an_answer_and_never_a_value_for_the_unknown(text: str) 
     world = random_worlds(TEST_SEED, 1, 1)[0]
     from pix2pred.structs.views import View
 
-    answer = reader().answer(Request("label", (text, View(render(world), 0)), 10))
+    answer = reader().answer(Request(Purpose.LABEL, (text, View(render(world), 0)), 10))
     assert isinstance(answer, Answer)
     assert set(parse_labels(answer.text, ["cooked(nobody)"]).values.values()) <= {-1}
 

@@ -17,12 +17,22 @@ from joblib import Parallel, delayed
 
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import Answer, AnswerStore, CountingVLM, ReplayMissError, Request, StoredVLM, StoreMode, VLMError
+from pix2pred.vlm import (
+    Answer,
+    AnswerStore,
+    CountingVLM,
+    Purpose,
+    ReplayMissError,
+    Request,
+    StoredVLM,
+    StoreMode,
+    VLMError,
+)
 
 PIXELS = np.arange(8 * 6 * 3, dtype=np.uint8).reshape(6, 8, 3)
 BOXES = {"patty1": Box(1.0, 2.0, 3.5, 4.0), "grill": Box(0.0, 0.0, 8.0, 6.0)}
 VIEW = View(Picture("main", Image.from_pixels(PIXELS), BOXES), 3, Box(0.0, 0.0, 4.0, 4.0), True, "state 3", 256)
-REQUEST = Request("label", ("Is it cooked?", VIEW, "Très bien?"), 100)
+REQUEST = Request(Purpose.LABEL, ("Is it cooked?", VIEW, "Très bien?"), 100)
 MODEL = "modèle:1"
 
 
@@ -80,7 +90,7 @@ def test_every_field_changes_the_key(case: str) -> None:
 
 def test_the_model_changes_the_key_and_the_purpose_does_not() -> None:
     assert REQUEST.key("other") != REQUEST.key(MODEL)
-    assert replace(REQUEST, purpose="double-check").key(MODEL) == REQUEST.key(MODEL)
+    assert replace(REQUEST, purpose=Purpose.DOUBLE_CHECK).key(MODEL) == REQUEST.key(MODEL)
 
 
 def test_encoding_metadata_and_the_order_of_boxes_do_not_change_the_key(tmp_path: Path) -> None:
@@ -205,7 +215,7 @@ def run(work: Callable[[Request], Answer], requests: list[Request]) -> list[Answ
 
 
 def test_threads_may_share_a_store_and_a_count(tmp_path: Path) -> None:
-    requests = [replace(REQUEST, sample=i % 10, purpose=("label", "propose")[i % 2]) for i in range(200)]
+    requests = [replace(REQUEST, sample=i % 10, purpose=(Purpose.LABEL, Purpose.PROPOSE)[i % 2]) for i in range(200)]
     counting = CountingVLM(StoredVLM(Echo(), AnswerStore(tmp_path)))
     answers = run(counting.answer, requests)
     assert len(answers) == 200

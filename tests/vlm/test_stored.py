@@ -14,6 +14,7 @@ from pix2pred.vlm import (
     AnswerStore,
     Finish,
     NoAnswerError,
+    Purpose,
     Request,
     Spent,
     StoredVLM,
@@ -22,7 +23,7 @@ from pix2pred.vlm import (
     VLMError,
 )
 
-REQUEST = Request("label", ("Is it?",), 10, logprobs=True)
+REQUEST = Request(Purpose.LABEL, ("Is it?",), 10, logprobs=True)
 RICH = Answer(
     "True",
     tokens=(Token("True", (("True", -0.1), ("False", -2.5))),),

@@ -35,6 +35,7 @@ from pix2pred.structs import (
 )
 from pix2pred.structs.environment import Environment
 from pix2pred.system.progress import silent
+from pix2pred.vlm import Together
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +121,8 @@ class ModelAgent:
 
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
         """Open loop, as the paper does in simulation."""
-        labeller = Labeller(self.training.problem.vlm, self.training.problem.settings.labels)
+        problem = self.training.problem
+        labeller = Labeller(problem.vlm, problem.settings.labels, Together(problem.settings.flow.concurrent))
         solver = Solver(self.model, self.training.planner, labeller, samplers=self.learned.samplers)
         return solver.solve(task, environment, truth)
 

@@ -13,7 +13,7 @@ from pix2pred.predicates.prompt import fill, views
 from pix2pred.structs import Action, Atom, Demo, Episode, ExecutedStep, Failure, Skill, Task, Type
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.views import View
-from pix2pred.vlm import Request
+from pix2pred.vlm import Purpose, Request
 from pix2pred.vlm.request import Part
 
 ROOM = "pix2pred.approaches"
@@ -93,7 +93,7 @@ class ViLaAgent:
                 parts += images.of(shown, f"Demonstration {d}, State {t}, ")
         shown = views(task.initial, 0, task.objects, marks=marks, longest_side=size)
         parts += images.of(shown, "Initial state to plan from, ")
-        return Request("plan", tuple(parts), ANSWER_TOKENS)
+        return Request(Purpose.PLAN, tuple(parts), ANSWER_TOKENS)
 
 
 class _Images:

@@ -35,7 +35,7 @@ from pix2pred.structs import (
 from pix2pred.structs.environment import Environment
 from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.progress import Stage
-from pix2pred.vlm import Request
+from pix2pred.vlm import Purpose, Request
 
 ANSWER_TOKENS = 8192
 LIMITS = SandboxLimits()
@@ -163,7 +163,7 @@ def code_request(demo: Demo, vocabulary: Vocabulary, *, marks: bool, longest_sid
     shown = (views(s, t, demo.objects, marks=marks, longest_side=longest_side) for t, s in enumerate(demo.states))
     pictures = list(chain.from_iterable(shown))
     cameras = [p.camera for p in demo.states[0].pictures][:1]
-    return Request("code", (text, *(v for v in pictures if v.picture.camera in cameras)), ANSWER_TOKENS)
+    return Request(Purpose.CODE, (text, *(v for v in pictures if v.picture.camera in cameras)), ANSWER_TOKENS)
 
 
 def _trajectory(demo: Demo) -> Iterable[str]:

@@ -18,7 +18,7 @@ from pix2pred.images import ShownPictures
 from pix2pred.registry import RegistryError, load_domain, load_vlm
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import Finish, FlowSettings, Request, VLMError
+from pix2pred.vlm import Finish, FlowSettings, Purpose, Request, VLMError
 from pix2pred.vlm.hosted.client import key_of_provider
 from pix2pred.vlm.model_spec import KEY_VARIABLES
 
@@ -93,7 +93,7 @@ def _rendering() -> Finding:
 def _model(spec: str) -> Finding:
     views = [View(_square(color, name), t, heading=f"state {t}") for t, (color, name) in enumerate(_SQUARES)]
     text = "Below are two pictures. Say in one short sentence which colour the square has in each."
-    request = Request("doctor", (text, *views), 300)
+    request = Request(Purpose.DOCTOR, (text, *views), 300)
     flow = FlowSettings(tries=3, timeout=60.0, longest_pause=3.0)
     try:
         answer = load_vlm(spec, None, flow).answer(request)

@@ -3,7 +3,7 @@
 from pix2pred.predicates.abstraction import Abstraction
 from pix2pred.predicates.corrections import CORRECTIONS, Corrections, CorrectionsError, load_corrections
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
-from pix2pred.predicates.labelling.asking import READ, Gap
+from pix2pred.predicates.labelling.asking import Gap, Occurrence
 from pix2pred.predicates.labelling.evidence import EVIDENCE, EvidenceError, dump_evidence
 from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, Step, UnusableAnswersError
 from pix2pred.predicates.labelling.settings import LabelSettings
@@ -21,7 +21,6 @@ from pix2pred.predicates.proposing.propose import (
 __all__ = [
     "CORRECTIONS",
     "EVIDENCE",
-    "READ",
     "Abstraction",
     "Corrections",
     "CorrectionsError",
@@ -32,6 +31,7 @@ __all__ = [
     "LabelSettings",
     "Labeller",
     "Labelling",
+    "Occurrence",
     "Proposal",
     "ProposalSettings",
     "ProposedAtom",

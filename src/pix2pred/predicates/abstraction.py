@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from pix2pred.predicates.initial import is_asked, local_values
-from pix2pred.predicates.labelling.asking import READ
+from pix2pred.predicates.labelling.asking import Occurrence
 from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, Step, UnusableAnswersError
 from pix2pred.predicates.labelling.table import ground_atoms
 from pix2pred.structs import (
@@ -40,7 +40,7 @@ class Abstraction:
         self._states, self._actions = [state], []
         if self._asked:
             self._labels = self._labeller.first(state, self._objects, self._asked, about="episode, state 0")
-            if not self._labels.counts[READ]:
+            if not self._labels.counts[Occurrence.READ]:
                 raise UnusableAnswersError.after(self._labeller.vlm.name, [self._labels])
         return self._held()
 

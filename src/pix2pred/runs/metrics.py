@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from pix2pred.pipeline import Asked, LearningProblem, Selected
-from pix2pred.predicates import READ, goal_warnings
+from pix2pred.predicates import Occurrence, goal_warnings
 from pix2pred.structs import Label
 from pix2pred.structs.samplers import Sampler
 
@@ -22,7 +22,7 @@ def asked_metrics(problem: LearningProblem, asked: Asked) -> dict[str, Any]:
         "transitions": sum(len(d.actions) for d in problem.demos),
         "proposed": sum(len(p.accepted) for p in asked.proposals),
         "rejected": sum(len(p.rejected) for p in asked.proposals),
-        "label_problems": dict(sorted((k, v) for k, v in asked.labelling.counts.items() if v and k != READ)),
+        "label_problems": dict(sorted((k, v) for k, v in asked.labelling.counts.items() if v and k != Occurrence.READ)),
         "labels": sum(d.values.size for d in table.demos),
         "labels_without_answer": sum(len(gap.atoms) for gap in gaps),
         "missing_answers": _gap_warnings(asked),

@@ -3,8 +3,21 @@
 from pix2pred.vlm.answers.store import AnswerStore
 from pix2pred.vlm.answers.stored import ReplayMissError, StoredVLM, StoreMode
 from pix2pred.vlm.control.flow import FlowSettings
+from pix2pred.vlm.control.together import Together
 from pix2pred.vlm.control.usage import CountingVLM, Usage
-from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Review, Reviewer, Spent, Token, VLMError
+from pix2pred.vlm.request import (
+    VLM,
+    Answer,
+    Finish,
+    NoAnswerError,
+    Purpose,
+    Request,
+    Review,
+    Reviewer,
+    Spent,
+    Token,
+    VLMError,
+)
 
 __all__ = [
     "VLM",
@@ -14,6 +27,7 @@ __all__ = [
     "Finish",
     "FlowSettings",
     "NoAnswerError",
+    "Purpose",
     "ReplayMissError",
     "Request",
     "Review",
@@ -21,6 +35,7 @@ __all__ = [
     "Spent",
     "StoreMode",
     "StoredVLM",
+    "Together",
     "Token",
     "Usage",
     "VLMError",

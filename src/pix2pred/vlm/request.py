@@ -16,6 +16,17 @@ Part = str | View
 """Text, or a picture and how to show it."""
 
 
+class Purpose(StrEnum):
+    """The step of the method that asks: models that are simulated answer by it, and usage is counted by it."""
+
+    PROPOSE = "propose"
+    LABEL = "label"
+    DOUBLE_CHECK = "double-check"
+    PLAN = "plan"
+    CODE = "code"
+    DOCTOR = "doctor"
+
+
 @dataclass(frozen=True, slots=True)
 class Review:
     """What is wrong with an answer; ``usable`` when something can be read from it all the same."""
@@ -30,7 +41,7 @@ Reviewer = Callable[[str], Review | None]
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """Text and pictures in order. ``purpose`` names the step for usage counts, e.g. ``propose`` or ``label``.
+    """Text and pictures in order. ``purpose`` names the step that asks; it is no part of the question.
 
     ``sample`` numbers independent samples of one question; ``attempt`` numbers retries after unusable answers.
     ``max_tokens`` is the answer budget. ``schema`` is a JSON Schema the answer should follow, as text, where the model
@@ -40,7 +51,7 @@ class Request:
     part of the question.
     """
 
-    purpose: str
+    purpose: Purpose
     parts: tuple[Part, ...]
     max_tokens: int
     temperature: float = 0.0

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from itertools import chain
-
-from joblib import Parallel, delayed
 
 from pix2pred.predicates.labelling.confidence import probability
 from pix2pred.predicates.labelling.parse_labels import ParsedLabels, parse_labels
@@ -19,11 +18,26 @@ from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.labelling.structured import as_text, schema
 from pix2pred.predicates.prompt import atom_text
 from pix2pred.structs import Atom, Label
-from pix2pred.vlm import VLM, Answer, Finish, NoAnswerError, Request, Review
+from pix2pred.vlm import VLM, Answer, Finish, NoAnswerError, Purpose, Request, Review, Together
 from pix2pred.vlm.request import Part
 
-READ = "answers read"
-"""Key of the count of answers that gave at least one value."""
+
+class Occurrence(StrEnum):
+    """What is met while labels are asked for; how often is counted, and shown under these words."""
+
+    READ = "answers read"
+    """An answer that gave at least one value."""
+    UNUSABLE = "unusable answers"
+    UNANSWERED = "unanswered"
+    REFUSED = "refused"
+    CUT_SHORT = "cut short"
+    OTHER_WORDS = "other words"
+    """A value that is neither True, False nor Unknown."""
+    UNASKED = "unasked"
+    """A value of an atom that was not in the question."""
+    MISSING = "missing"
+    """An atom that no answer gave a value."""
+
 
 TOKENS_PER_ATOM = 64
 TOKENS_OF_REASONING = 1024
@@ -39,7 +53,7 @@ class Gap:
     """Atoms that got no value, and why."""
 
     about: str
-    purpose: str
+    purpose: Purpose
     atoms: tuple[str, ...]
     reason: str
 
@@ -54,7 +68,7 @@ class Asked:
     values: dict[Atom, Label] = field(default_factory=dict)
     confidence: dict[Atom, float] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
-    counts: Counter[str] = field(default_factory=Counter)
+    counts: Counter[Occurrence] = field(default_factory=Counter)
     reasons: dict[Atom, str] = field(default_factory=dict)
     useless: str = ""
 
@@ -74,7 +88,8 @@ class Asker:
 
     vlm: VLM
     settings: LabelSettings
-    purpose: str
+    together: Together
+    purpose: Purpose
     question: Question
     about: str
 
@@ -82,17 +97,15 @@ class Asker:
         """The values of ``atoms``: of one answer, or what the majority of ``votes`` samples says."""
         if not atoms:
             return Asked()
-        if self.settings.votes == 1:
-            return self._sample(atoms, 0)
-        work = Parallel(n_jobs=self.settings.votes, prefer="threads")
-        return _majority(work(delayed(self._sample)(atoms, n) for n in range(self.settings.votes)))
+        samples = list(self.together.map(lambda n: self._sample(atoms, n), range(self.settings.votes)))
+        return samples[0] if len(samples) == 1 else _majority(samples)
 
     def _sample(self, atoms: Sequence[Atom], sample: int) -> Asked:
         asked, pending = Asked(), list(atoms)
         for attempt in range(self.settings.attempts):
             asked.merge(self._query(pending, sample, attempt))
             pending = [a for a in pending if a not in asked.values]
-            if not pending or asked.counts["unanswered"]:  # asking again was tried already
+            if not pending or asked.counts[Occurrence.UNANSWERED]:  # asking again was tried already
                 break
         return asked
 
@@ -103,16 +116,16 @@ class Asker:
         try:
             answer = self.vlm.answer(request)
         except NoAnswerError as error:
-            return Asked(counts=Counter(["unanswered"]), reasons=dict.fromkeys(atoms, f"no answer: {error}"))
+            return Asked(counts=Counter([Occurrence.UNANSWERED]), reasons=dict.fromkeys(atoms, f"no answer: {error}"))
         if answer.finish in (Finish.CUT_SHORT, Finish.TOO_LARGE):
             return self._smaller(atoms, sample, attempt, budget)
         if answer.finish == Finish.REFUSED:
-            counts = Counter(["refused", "unusable answers"])
+            counts = Counter([Occurrence.REFUSED, Occurrence.UNUSABLE])
             return Asked(counts=counts, reasons=dict.fromkeys(atoms, "refused"), useless=answer.text)
         return self._read(answer, texts)
 
     def _smaller(self, atoms: Sequence[Atom], sample: int, attempt: int, budget: int) -> Asked:
-        asked = Asked(counts=Counter(["cut short"]))
+        asked = Asked(counts=Counter([Occurrence.CUT_SHORT]))
         if len(atoms) > 1:
             middle = len(atoms) // 2
             asked.merge(self._query(atoms[:middle], sample, attempt, budget))
@@ -120,15 +133,15 @@ class Asker:
         elif budget == 1:
             asked.merge(self._query(atoms, sample, attempt, _MORE))
         else:
-            asked.merge(Asked(counts=Counter(["unusable answers"]), reasons=dict.fromkeys(atoms, "always cut short")))
+            asked.merge(Asked(counts=Counter([Occurrence.UNUSABLE]), reasons=dict.fromkeys(atoms, "always cut short")))
         return asked
 
     def _read(self, answer: Answer, texts: dict[Atom, str]) -> Asked:
         text = as_text(answer.text) if self.settings.structured else answer.text
         parsed = parse_labels(text, list(dict.fromkeys(texts.values())))
         values = {a: parsed.values[t] for a, t in texts.items() if t in parsed.values}
-        counts = Counter({"other words": parsed.other_words, "unasked": parsed.unasked})
-        counts[READ if values else "unusable answers"] += 1
+        counts = Counter({Occurrence.OTHER_WORDS: parsed.other_words, Occurrence.UNASKED: parsed.unasked})
+        counts[Occurrence.READ if values else Occurrence.UNUSABLE] += 1
         tokens = answer.tokens if text == answer.text else ()
         sure = {a: probability(tokens, parsed.places[texts[a]], value) for a, value in values.items()} if tokens else {}
         return Asked(
@@ -174,7 +187,7 @@ def _review(answer: str, texts: Sequence[str]) -> Review | None:
 
 def _majority(samples: Sequence[Asked]) -> Asked:
     """What most samples say, atom by atom; the earliest decides a tie. Confidence is the share of all samples."""
-    total = Asked(counts=sum((s.counts for s in samples), Counter[str]()))
+    total = Asked(counts=sum((s.counts for s in samples), Counter[Occurrence]()))
     for atom in dict.fromkeys(chain.from_iterable([*s.values, *s.reasons] for s in samples)):
         votes = Counter(s.values[atom] for s in samples if atom in s.values)
         if votes:

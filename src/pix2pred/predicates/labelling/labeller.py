@@ -6,10 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from joblib import Parallel, delayed
-
 from pix2pred.images import skill_crop
-from pix2pred.predicates.labelling.asking import READ, Asker, Gap
+from pix2pred.predicates.labelling.asking import Asker, Gap, Occurrence, Question
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
@@ -23,7 +21,7 @@ from pix2pred.structs import (
 )
 from pix2pred.structs.views import View
 from pix2pred.system.errors import Pix2predError
-from pix2pred.vlm import VLM, Answer, Request
+from pix2pred.vlm import VLM, Answer, Purpose, Request, Together
 from pix2pred.vlm.request import Part
 
 
@@ -37,7 +35,7 @@ class StateLabels:
 
     values: dict[Atom, Label]
     text: str
-    counts: Counter[str] = field(default_factory=Counter)
+    counts: Counter[Occurrence] = field(default_factory=Counter)
     unusable: str = ""
     confidence: dict[Atom, float] = field(default_factory=dict)
     gaps: tuple[Gap, ...] = ()
@@ -49,10 +47,11 @@ class UnusableAnswersError(Pix2predError, RuntimeError):
     @classmethod
     def after(cls, model: str, labels: Sequence[StateLabels]) -> UnusableAnswersError:
         """The error for ``labels``, with their number and the first answer."""
-        gaps = [gap for s in labels for gap in s.gaps if not s.counts[READ]]
-        if gaps and all(gap.reason.startswith("no answer") for gap in gaps):
+        unread = [s for s in labels if not s.counts[Occurrence.READ]]
+        gaps = [gap for s in unread for gap in s.gaps]
+        if gaps and not any(s.counts[Occurrence.UNUSABLE] for s in unread):
             return cls(f"{model} gave no answer about {len(gaps)} states; the first: {gaps[0].about}: {gaps[0].reason}")
-        answers = [" ".join(s.unusable.split()) for s in labels if s.counts["unusable answers"]]
+        answers = [" ".join(s.unusable.split()) for s in labels if s.counts[Occurrence.UNUSABLE]]
         example = f"; the first answer begins {answers[0][:120]!r}" if answers and answers[0] else "; they are empty"
         return cls(f"{model} gave unusable answers about {len(answers)} states, without a single label{example}")
 
@@ -85,10 +84,11 @@ class _Foreseeing:
 
 @dataclass(frozen=True, slots=True)
 class Labeller:
-    """Labels states with one model."""
+    """Labels states with one model; ``together`` bounds how many questions are under way at once."""
 
     vlm: VLM
     settings: LabelSettings
+    together: Together = field(default_factory=Together)
 
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
         """Labels of all states of a demonstration, strictly in order: each query builds on the answer before."""
@@ -117,7 +117,7 @@ class Labeller:
         def question(batch: Sequence[Atom]) -> tuple[Part, ...]:
             return (fill(template, objects=object_lines(objects), atoms=_listed(batch)), *pictures)
 
-        asker = Asker(self.vlm, self.settings, "label", question, about)
+        asker = self._asker(Purpose.LABEL, question, about)
         return _merged(self._together(lambda batch: _labels(asker, batch, {}), atoms))
 
     def next(
@@ -141,7 +141,7 @@ class Labeller:
             )
 
         def labelled(batch: Sequence[Atom]) -> StateLabels:
-            asker = Asker(self.vlm, self.settings, "label", lambda part: (text(part), *pictures), about)
+            asker = self._asker(Purpose.LABEL, lambda part: (text(part), *pictures), about)
             labels = _labels(asker, batch, carried)
             if not double_check:
                 return labels
@@ -166,7 +166,7 @@ class Labeller:
             return (check, *pictures)
 
         carried = labels.values if self.settings.missing == "carry_previous" else {}
-        checked = _labels(Asker(self.vlm, self.settings, "double-check", question, about), batch, carried)
+        checked = _labels(self._asker(Purpose.DOUBLE_CHECK, question, about), batch, carried)
         confidence = {a: labels.confidence[a] for a in labels.confidence if a not in checked.confidence}
         confidence = {a: p for a, p in confidence.items() if checked.values[a] == labels.values[a]}
         open_atoms = {t for gap in checked.gaps for t in gap.atoms}
@@ -178,10 +178,10 @@ class Labeller:
 
     def _together(self, labelled: Callable[[Sequence[Atom]], StateLabels], atoms: Sequence[Atom]) -> list[StateLabels]:
         """The labels of all batches, asked for at the same time."""
-        batches = self._batches(atoms)
-        if len(batches) <= 1:
-            return [labelled(batch) for batch in batches]
-        return list(Parallel(n_jobs=len(batches), prefer="threads")(delayed(labelled)(batch) for batch in batches))
+        return list(self.together.map(labelled, self._batches(atoms)))
+
+    def _asker(self, purpose: Purpose, question: Question, about: str) -> Asker:
+        return Asker(self.vlm, self.settings, self.together, purpose, question, about)
 
     def _batches(self, atoms: Sequence[Atom]) -> list[list[Atom]]:
         ordered = sorted(atoms, key=atom_text)
@@ -219,7 +219,7 @@ def _labels(asker: Asker, batch: Sequence[Atom], carried: Mapping[Atom, Label]) 
     """Labels of a batch; atoms left without a value keep ``carried``, or else are false."""
     asked = asker.ask(batch)
     values = {a: asked.values.get(a, carried.get(a, Label.FALSE)) for a in batch}
-    counts = asked.counts + Counter({"missing": len(values) - len(asked.values)})
+    counts = asked.counts + Counter({Occurrence.MISSING: len(values) - len(asked.values)})
     text = "\n\n".join(asked.texts) or value_lines({atom_text(a): value for a, value in values.items()})
     return StateLabels(values, text, counts, "" if asked.values else asked.useless, asked.confidence, asker.gaps(asked))
 
@@ -234,7 +234,7 @@ def _merged(parts: Sequence[StateLabels]) -> StateLabels:
     return StateLabels(
         values,
         "\n\n".join(p.text for p in parts),
-        sum((p.counts for p in parts), Counter[str]()),
+        sum((p.counts for p in parts), Counter[Occurrence]()),
         "".join(p.unusable for p in parts),
         confidence,
         tuple(gap for p in parts for gap in p.gaps),

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from pix2pred.predicates.initial import is_asked, local_values
-from pix2pred.predicates.labelling.asking import READ, Gap
+from pix2pred.predicates.labelling.asking import Gap, Occurrence
 from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, UnusableAnswersError
 from pix2pred.structs import (
     Atom,
@@ -31,7 +30,7 @@ class Labelling:
 
     table: TruthTable
     answers: tuple[tuple[StateLabels, ...], ...]
-    counts: Counter[str]
+    counts: Counter[Occurrence]
     gaps: tuple[Gap, ...] = ()
 
 
@@ -41,24 +40,24 @@ def label_demos(
     pool: Sequence[Candidate],
     labeller: Labeller,
     *,
-    jobs: int = 4,
     progress: Progress = silent,
 ) -> Labelling:
-    """Label every atom of ``initial`` and ``pool`` in every state; demonstrations in parallel, states in order."""
+    """Label every atom of ``initial`` and ``pool`` in every state; states of a demonstration in order.
+
+    ``labeller.together`` says how much is asked at once. Raises ``UnusableAnswersError`` when no answer holds a label.
+    """
     predicates = (*initial, *(c.predicate for c in pool))
-    work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
     labelled: list[LabelledDemo] = []
     answers: list[tuple[StateLabels, ...]] = []
-    for demo, (one, texts) in zip(
-        demos, work(delayed(_label_demo)(demo, predicates, labeller) for demo in demos), strict=True
-    ):
+    work = labeller.together.map(lambda demo: _label_demo(demo, predicates, labeller), demos)
+    for demo, (one, texts) in zip(demos, work, strict=True):
         labelled.append(one)
         answers.append(texts)
         progress(Stage.LABEL, len(labelled), len(demos), demo.name)
     states = [s for texts in answers for s in texts]
-    counts = sum((s.counts for s in states), Counter[str]())
+    counts = sum((s.counts for s in states), Counter[Occurrence]())
     gaps = tuple(gap for s in states for gap in s.gaps)
-    if gaps and not counts[READ]:
+    if gaps and not counts[Occurrence.READ]:
         raise UnusableAnswersError.after(labeller.vlm.name, states)
     return Labelling(TruthTable(tuple(initial), tuple(pool), tuple(labelled)), tuple(answers), counts, gaps)
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Literal
 
-from joblib import Parallel, delayed
 from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
@@ -17,7 +16,7 @@ from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
 from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.progress import Progress, Stage, silent
-from pix2pred.vlm import VLM, Finish, NoAnswerError, Request, Review
+from pix2pred.vlm import VLM, Finish, NoAnswerError, Purpose, Request, Review, Together
 
 ANSWER_TOKENS = 8192
 """Budget of a proposal: a model lists hundreds of atoms."""
@@ -78,13 +77,16 @@ def propose(
     vlm: VLM,
     settings: ProposalSettings,
     *,
-    jobs: int = 4,
+    together: Together | None = None,
     progress: Progress = silent,
 ) -> tuple[Proposal, ...]:
-    """One proposal per demonstration, in the order of ``demos``. Raises ``EmptyProposalError`` if all are empty."""
-    work = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
+    """One proposal per demonstration, in the order of ``demos``, asked for as ``together`` allows.
+
+    Raises ``EmptyProposalError`` if all are empty.
+    """
+    asking = together or Together()
     proposals: list[Proposal] = []
-    for proposal in work(delayed(_propose_for)(demo, vlm, settings) for demo in demos):
+    for proposal in asking.map(lambda demo: _propose_for(demo, vlm, settings), demos):
         proposals.append(proposal)
         progress(Stage.PROPOSE, len(proposals), len(demos), proposal.demo)
     if not any(p.accepted for p in proposals):
@@ -138,7 +140,7 @@ def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0, b
     size, marks = settings.longest_side, settings.marks
     shown = (views(s, t, demo.objects, marks=marks, longest_side=size) for t, s in enumerate(demo.states))
     return Request(
-        "propose",
+        Purpose.PROPOSE,
         (text, *chain.from_iterable(shown)),
         budget,
         attempt=attempt,

@@ -16,7 +16,7 @@ from pix2pred.vlm.answers.stored import StoredVLM
 from pix2pred.vlm.hosted.picture_tokens import picture_tokens
 from pix2pred.vlm.hosted.pricing import dollars
 from pix2pred.vlm.offline.prompt_format import asked_atoms, label_answer, object_types, value_line
-from pix2pred.vlm.request import Answer, Request, VLMError
+from pix2pred.vlm.request import Answer, Purpose, Request, VLMError
 
 CHARACTERS_PER_TOKEN = 4
 ASSUMED_WORDS = 8
@@ -54,14 +54,14 @@ class EstimatingVLM:
         try:
             answer = self._stored.answer(request)
         except VLMError:
-            answer = Answer(self._assumed_proposal(request) if request.purpose == "propose" else _labels(request))
+            answer = Answer(self._assumed_proposal(request) if request.purpose == Purpose.PROPOSE else _labels(request))
         with self._lock:
             count = self._counts[request.purpose]
             count["queries"] += 1
             count["from_store"] += answer.stored
             if not answer.stored:
                 count["pictures"] += len(request.views)
-                count["atoms"] += sum(1 for _ in asked_atoms(request.text)) if request.purpose != "propose" else 0
+                count["atoms"] += sum(1 for _ in asked_atoms(request.text)) if request.purpose != Purpose.PROPOSE else 0
                 seen = sum(picture_tokens(self._provider, *view.shown_size) for view in request.views)
                 count["input"] += len(request.text) // CHARACTERS_PER_TOKEN + seen
                 count["output"] += len(answer.text) // CHARACTERS_PER_TOKEN

@@ -6,7 +6,7 @@ import hashlib
 import re
 
 from pix2pred.vlm.offline.prompt_format import current_views
-from pix2pred.vlm.request import VLM, Answer, Request
+from pix2pred.vlm.request import VLM, Answer, Purpose, Request
 
 _VALUE = re.compile(r"^([* ]*)([A-Za-z_]\w*\([^()]*\)): (True|False)\b", re.MULTILINE)
 
@@ -27,7 +27,7 @@ class FlippingVLM:
         """The model's answer with some labels flipped; proposals are left alone."""
         answer = self._model.answer(request)
         views = current_views(request.views)
-        if request.purpose == "propose" or not views:
+        if request.purpose == Purpose.PROPOSE or not views:
             return answer
         picture = views[0].picture.image.digest
 

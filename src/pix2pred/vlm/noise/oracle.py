@@ -19,7 +19,7 @@ from pix2pred.vlm.offline.prompt_format import (
     proposal_answer,
     value_line,
 )
-from pix2pred.vlm.request import Answer, Request
+from pix2pred.vlm.request import Answer, Purpose, Request
 
 TruthInView = Callable[[View, str, Sequence[str]], bool | None]
 """The true value of ``word(names)`` in the state a picture shows; None for words without a truth."""
@@ -49,7 +49,7 @@ class NoisyOracle:
 
     def answer(self, request: Request) -> Answer:
         """Propose all words, or label with the errors asked for."""
-        if request.purpose == "propose":
+        if request.purpose == Purpose.PROPOSE:
             return Answer(proposal_answer(request.text, self._words))
         view = current_views(request.views)[0]
         lines = [self._label(view, atom) for atom in asked_atoms(request.text)]

@@ -25,7 +25,7 @@ from pix2pred.vlm.offline.prompt_format import (
     proposal_answer,
     value_line,
 )
-from pix2pred.vlm.request import Answer, Request
+from pix2pred.vlm.request import Answer, Purpose, Request
 
 _REMEMBERED_SCENES = 64
 
@@ -45,7 +45,7 @@ class OfflineReader:
     def answer(self, request: Request) -> Answer:
         """Propose or label, as the prompt asks."""
         text = request.text
-        if request.purpose == "propose":
+        if request.purpose == Purpose.PROPOSE:
             return Answer(proposal_answer(text, self._words))
         scenes = [self._scene(view) for view in current_views(request.views)]
         types, previous = object_types(text), previous_values(text)
