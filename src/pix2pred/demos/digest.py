@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from typing import Any
 
 from pix2pred.demos.read import Project
 from pix2pred.structs import Demo, State
@@ -13,10 +14,20 @@ from pix2pred.structs.formats.writing import vocabulary_doc
 def project_digest(project: Project) -> str:
     """SHA-256 over vocabulary, demonstrations and decoded pixels; file names, compression and layout do not count.
 
+    Neither do descriptions: a sentence reworded makes no other data, and projects without any keep their digest.
     Raises ``PictureError`` for pictures that cannot be read.
     """
-    content = {"vocabulary": vocabulary_doc(project.vocabulary), "demos": [_demo(d) for d in project.demos]}
+    content = {
+        "vocabulary": _undescribed(vocabulary_doc(project.vocabulary)),
+        "demos": [_demo(d) for d in project.demos],
+    }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _undescribed(doc: dict[str, Any]) -> dict[str, Any]:
+    described = ("skills", "predicates")
+    plain = {part: [{k: v for k, v in e.items() if k != "description"} for e in doc[part]] for part in described}
+    return doc | plain
 
 
 def _demo(demo: Demo) -> dict[str, object]:

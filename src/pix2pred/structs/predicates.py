@@ -22,9 +22,16 @@ class FromHuman:
 
 @dataclass(frozen=True, slots=True)
 class FromVLM:
-    """Values come from asking a vision-language model about ``phrase(obj1, obj2)``."""
+    """Values come from asking a vision-language model about ``phrase(obj1, obj2)``.
+
+    What the model itself declared when it proposed the word: ``also`` are words that mean the same, ``opposite`` those
+    that mean the contrary, and ``changes`` says whether a skill can change it.
+    """
 
     phrase: str
+    also: tuple[str, ...] = ()
+    opposite: tuple[str, ...] = ()
+    changes: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,12 +83,14 @@ class Predicate:
 
     Name and types make a predicate what it is. The source is no part of that: what a simulator reports and what a
     person lists are atoms of the same predicate. Whether a predicate is initial (given) or selected is a fact about a
-    world model, not about the predicate.
+    world model, not about the predicate. ``description`` says in a sentence when an atom of the predicate is true, for
+    people and for models that are asked; empty when nobody has said so.
     """
 
     name: str
     types: tuple[Type, ...]
     source: Source = field(compare=False)
+    description: str = field(default="", compare=False)
 
     @property
     def arity(self) -> int:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pix2pred.structs.objects import Object, Type
 
 
 @dataclass(frozen=True, slots=True)
 class Skill:
-    """A named, parameterised behaviour: discrete argument types and a box for continuous parameters."""
+    """A named, parameterised behaviour: discrete argument types and a box for continuous parameters.
+
+    ``description`` says in a sentence what the skill does and needs, for people and for models that are asked.
+    """
 
     name: str
     types: tuple[Type, ...]
     low: tuple[float, ...] = ()
     high: tuple[float, ...] = ()
+    description: str = field(default="", compare=False)
 
     @property
     def dimension(self) -> int:

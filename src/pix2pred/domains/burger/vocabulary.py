@@ -25,18 +25,47 @@ TYPES = (
 )  # fmt: skip
 TYPE_OF: Mapping[str, Type] = {t.name: t for t in TYPES}
 
-PICK = Skill("Pick", (ROBOT, ITEM))
-PLACE = Skill("Place", (ROBOT, ITEM, OBJECT))
-COOK = Skill("Cook", (ROBOT, PATTY, GRILL))
-CHOP = Skill("Chop", (ROBOT, LETTUCE, CUTTING_BOARD))
+PICK = Skill(
+    "Pick",
+    (ROBOT, ITEM),
+    description="The robot goes to an item on which nothing lies and takes it in its empty hand.",
+)
+PLACE = Skill(
+    "Place",
+    (ROBOT, ITEM, OBJECT),
+    description="The robot puts the item it holds on top of an object on which nothing lies.",
+)
+COOK = Skill(
+    "Cook",
+    (ROBOT, PATTY, GRILL),
+    description="The robot, its hand empty, cooks a patty that lies on the grill.",
+)
+CHOP = Skill(
+    "Chop",
+    (ROBOT, LETTUCE, CUTTING_BOARD),
+    description="The robot, its hand empty, chops a lettuce that lies on the cutting board.",
+)
 SKILLS = (PICK, PLACE, COOK, CHOP)
 SKILL_OF: Mapping[str, Skill] = {s.name: s for s in SKILLS}
 
-ON = Predicate("On", (ITEM, OBJECT), FromDomain())
-ON_GROUND = Predicate("OnGround", (ITEM,), FromDomain())
-CLEAR = Predicate("Clear", (OBJECT,), FromDomain())
-HOLDING = Predicate("Holding", (ROBOT, ITEM), FromDomain())
+ON = Predicate("On", (ITEM, OBJECT), FromDomain(), "The item lies directly on the object, with nothing between them.")
+ON_GROUND = Predicate(
+    "OnGround", (ITEM,), FromDomain(), "The item lies on the floor: it is neither held nor on a thing."
+)
+CLEAR = Predicate("Clear", (OBJECT,), FromDomain(), "Nothing lies on the object, and it is not held.")
+HOLDING = Predicate("Holding", (ROBOT, ITEM), FromDomain(), "The robot has the item in its hand.")
 SHARED = (ON, ON_GROUND, CLEAR, HOLDING)
+
+COMPOSITE_DESCRIPTIONS: Mapping[str, str] = {
+    "SomewhereAboveAndPrepped": (
+        "The second object is ready to be eaten (a patty cooked, a lettuce chopped) and lies in the stack that stands "
+        "on the first, however many things are between them."
+    ),
+    "RightAboveAndPrepped": (
+        "The second object is ready to be eaten (a patty cooked, a lettuce chopped) and lies directly on the first."
+    ),
+}
+"""What the goal predicates mean; the first object is the lower one."""
 
 Signatures = Mapping[str, Iterable[tuple[str, ...]]]
 """Printed predicate name to the tuples of argument type names it is declared with."""
@@ -58,7 +87,9 @@ def composites(signatures: Signatures) -> tuple[Predicate, ...]:
         ordered = sorted(signatures[name])
         for index, types in enumerate(ordered):
             unique = name if len(ordered) == 1 else f"{name}{index}"
-            built.append(Predicate(unique, tuple(TYPE_OF[t] for t in types), FromDomain()))
+            built.append(
+                Predicate(unique, tuple(TYPE_OF[t] for t in types), FromDomain(), COMPOSITE_DESCRIPTIONS[name])
+            )
     return tuple(built)
 
 

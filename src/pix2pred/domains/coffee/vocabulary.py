@@ -18,24 +18,52 @@ CUP = Type("cup", ("x", "y", "z", "capacity"))
 TYPES = (ROBOT, JUG, MACHINE, CUP)
 TYPE_OF: Mapping[str, Type] = {t.name: t for t in TYPES}
 
-PICK_JUG = Skill("PickJug", (ROBOT, JUG))
-PLACE_JUG = Skill("PlaceJugInMachine", (ROBOT, JUG, MACHINE))
-TURN_ON = Skill("TurnMachineOnAndFill", (ROBOT, MACHINE))
-POUR = Skill("PourSomeLiquid", (ROBOT, JUG, CUP))
-ROTATE = Skill("RotateItemUntilHandleAccessible", (ROBOT, JUG))
+PICK_JUG = Skill(
+    "PickJug",
+    (ROBOT, JUG),
+    description="The robot grips the upright jug by its handle, which has to be in reach, and lifts it.",
+)
+PLACE_JUG = Skill(
+    "PlaceJugInMachine",
+    (ROBOT, JUG, MACHINE),
+    description="The robot puts the jug it holds upright into the coffee machine and lets go of it.",
+)
+TURN_ON = Skill(
+    "TurnMachineOnAndFill",
+    (ROBOT, MACHINE),
+    description="The robot presses the button of the coffee machine, which fills the jug that stands in it.",
+)
+POUR = Skill(
+    "PourSomeLiquid",
+    (ROBOT, JUG, CUP),
+    description="The robot holds the jug over a cup and tilts it until the cup is full.",
+)
+ROTATE = Skill(
+    "RotateItemUntilHandleAccessible",
+    (ROBOT, JUG),
+    description="The robot turns the jug on the table until its handle is in reach.",
+)
 SKILLS = (PICK_JUG, PLACE_JUG, TURN_ON, POUR, ROTATE)
 SKILL_OF: Mapping[str, Skill] = {s.name: s for s in SKILLS}
 
-CUP_FILLED = Predicate("CupFilled", (CUP,), FromDomain())
-HOLDING = Predicate("Holding", (ROBOT, JUG), FromDomain())
-ON_TABLE = Predicate("OnTable", (JUG,), FromDomain())
-HAND_EMPTY = Predicate("HandEmpty", (ROBOT,), FromDomain())
-ROBOT_ABOVE_CUP = Predicate("RobotAboveCup", (ROBOT, CUP), FromDomain())
-JUG_ABOVE_CUP = Predicate("JugAboveCup", (JUG, CUP), FromDomain())
-NOT_ABOVE_CUP = Predicate("NotAboveCup", (ROBOT, JUG), FromDomain())
-PRESSING_BUTTON = Predicate("PressingButton", (ROBOT, MACHINE), FromDomain())
-NOT_SAME_CUP = Predicate("NotSameCup", (CUP, CUP), FromDomain())
-JUG_PICKABLE = Predicate("JugPickable", (JUG,), FromDomain())
+CUP_FILLED = Predicate("CupFilled", (CUP,), FromDomain(), "The cup holds as much coffee as it should.")
+HOLDING = Predicate("Holding", (ROBOT, JUG), FromDomain(), "The robot has the jug in its gripper.")
+ON_TABLE = Predicate(
+    "OnTable", (JUG,), FromDomain(), "The jug stands on the table: it is neither held nor in the machine."
+)
+HAND_EMPTY = Predicate("HandEmpty", (ROBOT,), FromDomain(), "The robot's gripper holds nothing.")
+ROBOT_ABOVE_CUP = Predicate(
+    "RobotAboveCup", (ROBOT, CUP), FromDomain(), "The robot holds the jug, and with it is over the cup."
+)
+JUG_ABOVE_CUP = Predicate("JugAboveCup", (JUG, CUP), FromDomain(), "The jug is held over the cup.")
+NOT_ABOVE_CUP = Predicate("NotAboveCup", (ROBOT, JUG), FromDomain(), "The robot does not hold the jug over any cup.")
+PRESSING_BUTTON = Predicate(
+    "PressingButton", (ROBOT, MACHINE), FromDomain(), "The robot's finger is on the button of the coffee machine."
+)
+NOT_SAME_CUP = Predicate("NotSameCup", (CUP, CUP), FromDomain(), "The two cups are different cups; this never changes.")
+JUG_PICKABLE = Predicate(
+    "JugPickable", (JUG,), FromDomain(), "The jug is upright with its handle where the robot can grip it."
+)
 
 GIVEN = (
     CUP_FILLED, HOLDING, ON_TABLE, HAND_EMPTY, ROBOT_ABOVE_CUP, JUG_ABOVE_CUP, NOT_ABOVE_CUP, PRESSING_BUTTON,

@@ -40,7 +40,13 @@ OBJECT_OF: Mapping[str, Object] = {o.name: o for o in OBJECTS}
 REACH = 0.3
 """Metres: bound of the offsets a push may start from."""
 
-TURN_ON_KNOB = Skill("MoveAndTurnOnKnob", (GRIPPER, KNOB), (-math.pi,), (math.pi,))
+TURN_ON_KNOB = Skill(
+    "MoveAndTurnOnKnob",
+    (GRIPPER, KNOB),
+    (-math.pi,),
+    (math.pi,),
+    "The gripper moves to a knob of the stove and turns it on.",
+)
 """Its parameter is the direction of the push in the x-y plane, in radians from x (to the right) towards y."""
 
 PUSH_KETTLE = Skill(
@@ -48,13 +54,24 @@ PUSH_KETTLE = Skill(
     (GRIPPER, KETTLE, SURFACE),
     (-REACH, -REACH, -REACH, -math.pi),
     (REACH, REACH, REACH, math.pi),
+    "The gripper pushes the kettle along until it stands on the burner behind it.",
 )
 """Its parameters: where the push starts, relative to the kettle's handle (metres), and its direction, from y."""
 
 SKILLS = (TURN_ON_KNOB, PUSH_KETTLE)
 
-KETTLE_BOILING = Predicate("KettleBoiling", (KETTLE, SURFACE, KNOB), FromDomain())
-LINKED = Predicate("KnobAndBurnerLinked", (KNOB, SURFACE), FromDomain())
+KETTLE_BOILING = Predicate(
+    "KettleBoiling",
+    (KETTLE, SURFACE, KNOB),
+    FromDomain(),
+    "The kettle stands on the burner, the knob belongs to that burner, and it is turned on.",
+)
+LINKED = Predicate(
+    "KnobAndBurnerLinked",
+    (KNOB, SURFACE),
+    FromDomain(),
+    "The knob is the one that turns the burner on; this never changes.",
+)
 INITIAL = (KETTLE_BOILING, LINKED)
 
 VOCABULARY = Vocabulary("kitchen", TYPES, SKILLS, INITIAL)

@@ -66,12 +66,13 @@ def build_skill(doc: SkillDoc, types: Mapping[str, Type]) -> Skill:
         raise ValueError(f"skill {doc.name}: low and high must have equal lengths and low <= high")
     if not all(math.isfinite(bound) for bound in (*doc.low, *doc.high)):
         raise ValueError(f"skill {doc.name}: a bound is not a number or not finite")
-    return Skill(doc.name, tuple(look_up("type", t, types) for t in doc.types), doc.low, doc.high)
+    return Skill(doc.name, tuple(look_up("type", t, types) for t in doc.types), doc.low, doc.high, doc.description)
 
 
 def build_predicate(doc: PredicateDoc, types: Mapping[str, Type]) -> Predicate:
     """The predicate described by ``doc``."""
-    return Predicate(doc.name, tuple(look_up("type", t, types) for t in doc.types), _build_source(doc, types))
+    argument_types = tuple(look_up("type", t, types) for t in doc.types)
+    return Predicate(doc.name, argument_types, _build_source(doc, types), doc.description)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +128,7 @@ def _build_source(doc: PredicateDoc, types: Mapping[str, Type]) -> Source:
                 raise ValueError(
                     f"predicate {doc.name}: the phrase {phrase!r} must be one word of letters, digits and _"
                 )
-            return FromVLM(phrase)
+            return FromVLM(phrase, doc.also, doc.opposite, doc.changes)
         case "features":
             if doc.expression is None:
                 raise ValueError(f"predicate {doc.name}: source features needs an expression")

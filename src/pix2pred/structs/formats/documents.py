@@ -14,6 +14,16 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_\-]*$", ma
 PredicateName = Annotated[str, StringConstraints(pattern=r"^[^\s(),;\"']+$", max_length=300)]
 """Predicate names also allow the brackets and signs of feature predicates."""
 
+Word = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
+"""A word that stands before the objects in a question to a model."""
+
+Description = Annotated[
+    str,
+    StringConstraints(max_length=500, pattern=r"^[^\n\r]*$"),
+    Field(description="one sentence: what it means, for people and for models that are asked"),
+]
+"""What a predicate or a skill means, on one line."""
+
 Applied = Annotated[tuple[str, ...], Field(min_length=1)]
 """A predicate or skill and its variables, ``[name, variable, ...]``."""
 
@@ -46,6 +56,7 @@ class SkillDoc(Document):
     types: tuple[Name, ...]
     low: tuple[float, ...] = ()
     high: tuple[float, ...] = ()
+    description: Description = ""
 
 
 class TriggerDoc(Document):
@@ -66,6 +77,10 @@ class PredicateDoc(Document):
     set_by: tuple[TriggerDoc, ...] = Field((), description="source skills: skills that make the atom true")
     cleared_by: tuple[TriggerDoc, ...] = Field((), description="source skills: skills that make it false")
     initially: bool = Field(False, description="source skills: the value before the first skill")
+    also: tuple[Word, ...] = Field((), description="source vlm: words the model declared to mean the same")
+    opposite: tuple[Word, ...] = Field((), description="source vlm: words the model declared to mean the contrary")
+    changes: bool = Field(True, description="source vlm: whether a skill can change it, as the model declared")
+    description: Description = ""
 
 
 class OperatorDoc(Document):

@@ -27,7 +27,7 @@ def skill_doc(skill: Skill) -> dict[str, Any]:
     doc: dict[str, Any] = {"name": skill.name, "types": [t.name for t in skill.types]}
     if skill.dimension:
         doc |= {"low": list(skill.low), "high": list(skill.high)}
-    return doc
+    return doc | ({"description": skill.description} if skill.description else {})
 
 
 def predicate_doc(predicate: Predicate) -> dict[str, Any]:
@@ -38,15 +38,18 @@ def predicate_doc(predicate: Predicate) -> dict[str, Any]:
         "source": source_name(predicate.source),
     }
     match predicate.source:
-        case FromVLM(phrase):
+        case FromVLM(phrase, also, opposite, changes):
             doc["phrase"] = phrase
+            doc |= {"also": list(also)} if also else {}
+            doc |= {"opposite": list(opposite)} if opposite else {}
+            doc |= {} if changes else {"changes": False}
         case FromFeatures(expression):
             doc["expression"] = expression
         case FromSkills(set_by, cleared_by, initially):
             doc["set_by"] = [{"skill": t.skill, "args": list(t.args)} for t in set_by]
             doc["cleared_by"] = [{"skill": t.skill, "args": list(t.args)} for t in cleared_by]
             doc["initially"] = initially
-    return doc
+    return doc | ({"description": predicate.description} if predicate.description else {})
 
 
 def operator_doc(op: Operator) -> dict[str, Any]:
