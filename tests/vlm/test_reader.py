@@ -22,7 +22,7 @@ from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.random_worlds import random_worlds
 from pix2pred.domains.burger.vocabulary import SKILL_OF, SKILLS
 from pix2pred.domains.burger.world import World
-from pix2pred.predicates import Labeller, LabelSettings, Step, ground_atoms
+from pix2pred.predicates import Labeller, LabelSettings, StepToLabel, ground_atoms
 from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Label, Object, Picture, Predicate, State
 from pix2pred.vlm import Answer, Purpose, Request
@@ -136,7 +136,7 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
         for previous in (first, flipped):
             action = Action(skill, tuple(args))
             seen.append(
-                labeller.next(Step(before, after, 1, action, previous), objects, atoms, double_check=True).values
+                labeller.next(StepToLabel(before, after, 1, action, previous), objects, atoms, double_check=True).values
             )
     assert all(values == seen[0] for values in seen)
 
@@ -164,7 +164,7 @@ def test_an_object_without_a_box_keeps_its_previous_value() -> None:
     first = labeller.first(State((render(raw),)), objects, atoms)
     action = Action(SKILL_OF["Pick"], (objects[-1], objects[0]))
     after = labeller.next(
-        Step(State((render(raw),)), State((hidden,)), 1, action, first), objects, atoms, double_check=False
+        StepToLabel(State((render(raw),)), State((hidden,)), 1, action, first), objects, atoms, double_check=False
     )
     for atom in atoms:
         if "patty1" in [o.name for o in atom.objects]:

@@ -5,8 +5,9 @@ from pix2pred.predicates.corrections import CORRECTIONS, Corrections, Correction
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
 from pix2pred.predicates.labelling.asking import Gap, Occurrence
 from pix2pred.predicates.labelling.evidence import EVIDENCE, EvidenceError, dump_evidence
-from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, Step, UnusableAnswersError
+from pix2pred.predicates.labelling.labeller import Labeller
 from pix2pred.predicates.labelling.settings import LabelSettings
+from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel, UnusableAnswersError
 from pix2pred.predicates.labelling.table import Labelling, goal_warnings, ground_atoms, label_demos
 from pix2pred.predicates.proposing.propose import (
     EmptyProposalError,
@@ -37,7 +38,7 @@ __all__ = [
     "ProposedAtom",
     "Rejection",
     "StateLabels",
-    "Step",
+    "StepToLabel",
     "UnusableAnswersError",
     "dump_evidence",
     "feature_predicates",

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.labelling.asking import Occurrence
-from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, Step, UnusableAnswersError
+from pix2pred.predicates.labelling.labeller import Labeller
+from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel, UnusableAnswersError
 from pix2pred.predicates.labelling.table import ground_atoms
 from pix2pred.structs import (
     AbstractState,
@@ -50,7 +51,7 @@ class Abstraction:
         self._states.append(state)
         self._actions.append(action)
         if self._asked:
-            step = Step(before, state, len(self._actions), action, self._labels)
+            step = StepToLabel(before, state, len(self._actions), action, self._labels)
             about = f"episode, state {step.t}"
             self._labels = self._labeller.next(step, self._objects, self._asked, double_check=False, about=about)
         return self._held()

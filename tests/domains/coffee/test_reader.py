@@ -23,7 +23,7 @@ from pix2pred.domains.coffee.simulation.render import render
 from pix2pred.domains.coffee.vocabulary import SKILLS
 from pix2pred.domains.coffee.world import World
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
-from pix2pred.predicates.labelling.labeller import Step
+from pix2pred.predicates.labelling.state_labels import StepToLabel
 from pix2pred.structs import Action, Atom, FromVLM, Image, Label, Object, Picture, Predicate, State
 from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
@@ -133,7 +133,7 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
         args = tuple(next(o for o in objects if o.type == t) for t in skill.types)
         for previous in (first, flipped):
             action = Action(skill, args)
-            step = Step(before, after, 1, action, previous)
+            step = StepToLabel(before, after, 1, action, previous)
             seen.append(labeller.next(step, objects, atoms, double_check=True).values)
     assert all(values == seen[0] for values in seen)
 
@@ -158,7 +158,9 @@ def test_what_is_hidden_keeps_its_previous_value(pair: tuple[Picture, Picture], 
     labeller = Labeller(OfflineReader("coffee", model()), LabelSettings())
     first = labeller.first(State((before,)), objects, atoms)
     action = Action(SKILLS[0], tuple(next(o for o in objects if o.type == t) for t in SKILLS[0].types))
-    now = labeller.next(Step(State((before,)), State((hidden,)), 1, action, first), objects, atoms, double_check=False)
+    now = labeller.next(
+        StepToLabel(State((before,)), State((hidden,)), 1, action, first), objects, atoms, double_check=False
+    )
     for atom in atoms:
         if "jug" in [o.name for o in atom.objects]:
             assert now.values[atom] == first.values[atom]

@@ -18,7 +18,7 @@ from pix2pred.domains.kitchen.scenes import turn_on
 from pix2pred.domains.kitchen.vocabulary import OBJECTS
 from pix2pred.domains.kitchen.world import standing_world
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
-from pix2pred.predicates.labelling.labeller import Step
+from pix2pred.predicates.labelling.state_labels import StepToLabel
 from pix2pred.structs import Atom, FromVLM, Image, Picture, Predicate, State
 from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
@@ -108,7 +108,7 @@ def test_the_action_text_changes_no_label() -> None:
     labeller = Labeller(OfflineReader("kitchen", model()), LabelSettings())
     first = labeller.first(before, OBJECTS, atoms())
     found = [
-        labeller.next(Step(before, after, 1, turn_on(number), first), OBJECTS, atoms(), double_check=True).values
+        labeller.next(StepToLabel(before, after, 1, turn_on(number), first), OBJECTS, atoms(), double_check=True).values
         for number in ("1", "4")
     ]
     assert found[0] == found[1]

@@ -11,14 +11,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import chain
+from typing import Generic, Protocol
 
-from pix2pred.predicates.labelling.confidence import probability
-from pix2pred.predicates.labelling.parse_labels import ParsedLabels, parse_labels
+from pix2pred.predicates.labelling.parse_labels import Parsed, Value
 from pix2pred.predicates.labelling.settings import LabelSettings
-from pix2pred.predicates.labelling.structured import as_text, schema
 from pix2pred.predicates.prompt import atom_text
-from pix2pred.structs import Atom, Label
-from pix2pred.vlm import VLM, Answer, Finish, NoAnswerError, Purpose, Request, Review, Together
+from pix2pred.structs import Atom
+from pix2pred.vlm import VLM, Answer, Finish, NoAnswerError, Purpose, Request, Review, Together, Token
 from pix2pred.vlm.request import Part
 
 
@@ -40,7 +39,9 @@ class Occurrence(StrEnum):
 
 
 TOKENS_PER_ATOM = 64
+"""Answer tokens allowed for one atom: its text (about ten), its value, and a short explanation."""
 TOKENS_OF_REASONING = 1024
+"""Answer tokens allowed for what a model writes besides the values."""
 _MORE = 4
 """How much larger the budget of a single atom grows when it was too small."""
 
@@ -58,21 +59,37 @@ class Gap:
     reason: str
 
 
+class AnswerFormat(Protocol[Value]):
+    """What a value is and how a model writes it: one label, or the labels of several states."""
+
+    def read(self, answer: str, queried: Sequence[str]) -> Parsed[Value]:
+        """What ``answer`` says about each of the atoms ``queried``, given as texts."""
+        ...
+
+    def schema(self, queried: Sequence[str]) -> str:
+        """A JSON Schema that an answer should follow, as text; empty to ask for plain text."""
+        ...
+
+    def confidence(self, tokens: Sequence[Token], parsed: Parsed[Value]) -> dict[str, float]:
+        """The probability of each value, by the text of its atom, where the answer's tokens tell it."""
+        ...
+
+
 @dataclass(slots=True)
-class Asked:
+class Asked(Generic[Value]):
     """What came of asking: values, their probabilities where known, the usable answers, counts, reasons of gaps.
 
     ``useless`` is the last answer from which nothing could be read.
     """
 
-    values: dict[Atom, Label] = field(default_factory=dict)
+    values: dict[Atom, Value] = field(default_factory=dict)
     confidence: dict[Atom, float] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
     counts: Counter[Occurrence] = field(default_factory=Counter)
     reasons: dict[Atom, str] = field(default_factory=dict)
     useless: str = ""
 
-    def merge(self, other: Asked) -> None:
+    def merge(self, other: Asked[Value]) -> None:
         """Add what ``other`` brought; atoms that now have a value lose their reason."""
         self.values |= other.values
         self.confidence |= other.confidence
@@ -83,25 +100,26 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True)
-class Asker:
+class Asker(Generic[Value]):
     """Asks one question about a list of atoms. ``about`` names demonstration and state."""
 
     vlm: VLM
     settings: LabelSettings
+    format: AnswerFormat[Value]
     together: Together
     purpose: Purpose
     question: Question
     about: str
 
-    def ask(self, atoms: Sequence[Atom]) -> Asked:
+    def ask(self, atoms: Sequence[Atom]) -> Asked[Value]:
         """The values of ``atoms``: of one answer, or what the majority of ``votes`` samples says."""
         if not atoms:
             return Asked()
         samples = list(self.together.map(lambda n: self._sample(atoms, n), range(self.settings.votes)))
         return samples[0] if len(samples) == 1 else _majority(samples)
 
-    def _sample(self, atoms: Sequence[Atom], sample: int) -> Asked:
-        asked, pending = Asked(), list(atoms)
+    def _sample(self, atoms: Sequence[Atom], sample: int) -> Asked[Value]:
+        asked, pending = Asked[Value](), list(atoms)
         for attempt in range(self.settings.attempts):
             asked.merge(self._query(pending, sample, attempt))
             pending = [a for a in pending if a not in asked.values]
@@ -109,7 +127,7 @@ class Asker:
                 break
         return asked
 
-    def _query(self, atoms: Sequence[Atom], sample: int, attempt: int, budget: int = 1) -> Asked:
+    def _query(self, atoms: Sequence[Atom], sample: int, attempt: int, budget: int = 1) -> Asked[Value]:
         """One query, or several when the answer does not fit its budget."""
         texts = {a: atom_text(a) for a in atoms}
         request = self._request(atoms, list(dict.fromkeys(texts.values())), sample, attempt, budget)
@@ -124,8 +142,8 @@ class Asker:
             return Asked(counts=counts, reasons=dict.fromkeys(atoms, "refused"), useless=answer.text)
         return self._read(answer, texts)
 
-    def _smaller(self, atoms: Sequence[Atom], sample: int, attempt: int, budget: int) -> Asked:
-        asked = Asked(counts=Counter([Occurrence.CUT_SHORT]))
+    def _smaller(self, atoms: Sequence[Atom], sample: int, attempt: int, budget: int) -> Asked[Value]:
+        asked = Asked[Value](counts=Counter([Occurrence.CUT_SHORT]))
         if len(atoms) > 1:
             middle = len(atoms) // 2
             asked.merge(self._query(atoms[:middle], sample, attempt, budget))
@@ -136,18 +154,16 @@ class Asker:
             asked.merge(Asked(counts=Counter([Occurrence.UNUSABLE]), reasons=dict.fromkeys(atoms, "always cut short")))
         return asked
 
-    def _read(self, answer: Answer, texts: dict[Atom, str]) -> Asked:
-        text = as_text(answer.text) if self.settings.structured else answer.text
-        parsed = parse_labels(text, list(dict.fromkeys(texts.values())))
+    def _read(self, answer: Answer, texts: dict[Atom, str]) -> Asked[Value]:
+        parsed = self.format.read(answer.text, list(dict.fromkeys(texts.values())))
         values = {a: parsed.values[t] for a, t in texts.items() if t in parsed.values}
         counts = Counter({Occurrence.OTHER_WORDS: parsed.other_words, Occurrence.UNASKED: parsed.unasked})
         counts[Occurrence.READ if values else Occurrence.UNUSABLE] += 1
-        tokens = answer.tokens if text == answer.text else ()
-        sure = {a: probability(tokens, parsed.places[texts[a]], value) for a, value in values.items()} if tokens else {}
+        sure = self.format.confidence(answer.tokens, parsed) if answer.tokens else {}
         return Asked(
             values,
-            {a: p for a, p in sure.items() if p is not None},
-            [text] if values else [],
+            {a: sure[texts[a]] for a in values if texts[a] in sure},
+            [parsed.text] if values else [],
             +counts,
             {a: "the answers hold no value for it" for a in texts if a not in values},
             "" if values else answer.text,
@@ -162,13 +178,13 @@ class Asker:
             temperature=settings.sampling_temperature,
             sample=sample,
             attempt=attempt,
-            schema=schema(texts) if settings.structured else "",
+            schema=self.format.schema(texts),
             logprobs=settings.logprobs,
             about=self.about,
-            review=lambda answer: _review(as_text(answer) if settings.structured else answer, texts),
+            review=lambda answer: _review(self.format.read(answer, texts), texts),
         )
 
-    def gaps(self, asked: Asked) -> tuple[Gap, ...]:
+    def gaps(self, asked: Asked[Value]) -> tuple[Gap, ...]:
         """The atoms left without a value, grouped by reason."""
         reasons: dict[str, list[str]] = {}
         for atom, reason in asked.reasons.items():
@@ -176,8 +192,7 @@ class Asker:
         return tuple(Gap(self.about, self.purpose, tuple(sorted(t)), r) for r, t in sorted(reasons.items()))
 
 
-def _review(answer: str, texts: Sequence[str]) -> Review | None:
-    parsed: ParsedLabels = parse_labels(answer, texts)
+def _review(parsed: Parsed[Value], texts: Sequence[str]) -> Review | None:
     if not parsed.missing:
         return None
     listed = "\n".join(f"* {text}: VALUE" for text in parsed.missing)
@@ -185,9 +200,9 @@ def _review(answer: str, texts: Sequence[str]) -> Review | None:
     return Review(f"{problem}\n\n{listed}", bool(parsed.values))
 
 
-def _majority(samples: Sequence[Asked]) -> Asked:
+def _majority(samples: Sequence[Asked[Value]]) -> Asked[Value]:
     """What most samples say, atom by atom; the earliest decides a tie. Confidence is the share of all samples."""
-    total = Asked(counts=sum((s.counts for s in samples), Counter[Occurrence]()))
+    total = Asked[Value](counts=sum((s.counts for s in samples), Counter[Occurrence]()))
     for atom in dict.fromkeys(chain.from_iterable([*s.values, *s.reasons] for s in samples)):
         votes = Counter(s.values[atom] for s in samples if atom in s.values)
         if votes:

@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from pix2pred.images import skill_crop
-from pix2pred.predicates.labelling.asking import Asker, Gap, Occurrence, Question
+from pix2pred.predicates.labelling.asking import Asker, Occurrence, Question
+from pix2pred.predicates.labelling.label_format import LabelFormat
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
+from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
 from pix2pred.structs import (
     Action,
@@ -20,51 +22,8 @@ from pix2pred.structs import (
     State,
 )
 from pix2pred.structs.views import View
-from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, Answer, Purpose, Request, Together
 from pix2pred.vlm.request import Part
-
-
-@dataclass(frozen=True, slots=True)
-class StateLabels:
-    """Values of the queried atoms in one state and the answer text they were read from.
-
-    ``confidence`` is the probability of a value, where known. ``unusable`` is the last answer when none held a value;
-    ``text`` then lists the values carried over. ``gaps`` names the atoms that no answer gave a value.
-    """
-
-    values: dict[Atom, Label]
-    text: str
-    counts: Counter[Occurrence] = field(default_factory=Counter)
-    unusable: str = ""
-    confidence: dict[Atom, float] = field(default_factory=dict)
-    gaps: tuple[Gap, ...] = ()
-
-
-class UnusableAnswersError(Pix2predError, RuntimeError):
-    """A model whose answers hold no label at all: taking them for False would invent a world."""
-
-    @classmethod
-    def after(cls, model: str, labels: Sequence[StateLabels]) -> UnusableAnswersError:
-        """The error for ``labels``, with their number and the first answer."""
-        unread = [s for s in labels if not s.counts[Occurrence.READ]]
-        gaps = [gap for s in unread for gap in s.gaps]
-        if gaps and not any(s.counts[Occurrence.UNUSABLE] for s in unread):
-            return cls(f"{model} gave no answer about {len(gaps)} states; the first: {gaps[0].about}: {gaps[0].reason}")
-        answers = [" ".join(s.unusable.split()) for s in labels if s.counts[Occurrence.UNUSABLE]]
-        example = f"; the first answer begins {answers[0][:120]!r}" if answers and answers[0] else "; they are empty"
-        return cls(f"{model} gave unusable answers about {len(answers)} states, without a single label{example}")
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """An action, the states before and after it (``t`` is the number of the latter), and the labels before it."""
-
-    before: State
-    after: State
-    t: int
-    action: Action
-    previous: StateLabels
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +53,7 @@ class Labeller:
         """Labels of all states of a demonstration, strictly in order: each query builds on the answer before."""
         objects, about = demo.objects, f"{demo.name}, state"
         steps = [
-            Step(demo.states[t - 1], demo.states[t], t, action, StateLabels({}, ""))
+            StepToLabel(demo.states[t - 1], demo.states[t], t, action, StateLabels({}, ""))
             for t, action in enumerate(demo.actions, start=1)
         ]
         after = [*(self._before_and_after(step, objects) for step in steps), ()]
@@ -121,7 +80,13 @@ class Labeller:
         return _merged(self._together(lambda batch: _labels(asker, batch, {}), atoms))
 
     def next(
-        self, step: Step, objects: Sequence[Object], atoms: Sequence[Atom], *, double_check: bool, about: str = ""
+        self,
+        step: StepToLabel,
+        objects: Sequence[Object],
+        atoms: Sequence[Atom],
+        *,
+        double_check: bool,
+        about: str = "",
     ) -> StateLabels:
         """Labels of the state after an action (method 3.4), given the labels of the one before."""
         pictures = self._before_and_after(step, objects)
@@ -180,15 +145,16 @@ class Labeller:
         """The labels of all batches, asked for at the same time."""
         return list(self.together.map(labelled, self._batches(atoms)))
 
-    def _asker(self, purpose: Purpose, question: Question, about: str) -> Asker:
-        return Asker(self.vlm, self.settings, self.together, purpose, question, about)
+    def _asker(self, purpose: Purpose, question: Question, about: str) -> Asker[Label]:
+        form = LabelFormat(self.settings.structured)
+        return Asker(self.vlm, self.settings, form, self.together, purpose, question, about)
 
     def _batches(self, atoms: Sequence[Atom]) -> list[list[Atom]]:
         ordered = sorted(atoms, key=atom_text)
         size = self.settings.max_atoms_per_query or max(1, len(ordered))
         return [ordered[i : i + size] for i in range(0, len(ordered), size)]
 
-    def _before_and_after(self, step: Step, objects: Sequence[Object]) -> tuple[View, ...]:
+    def _before_and_after(self, step: StepToLabel, objects: Sequence[Object]) -> tuple[View, ...]:
         full = (
             *self._views(step.before, step.t - 1, objects, "before"),
             *self._views(step.after, step.t, objects, "after"),
@@ -215,7 +181,7 @@ def _listed(batch: Sequence[Atom]) -> str:
     return "\n".join(dict.fromkeys(map(atom_text, batch)))
 
 
-def _labels(asker: Asker, batch: Sequence[Atom], carried: Mapping[Atom, Label]) -> StateLabels:
+def _labels(asker: Asker[Label], batch: Sequence[Atom], carried: Mapping[Atom, Label]) -> StateLabels:
     """Labels of a batch; atoms left without a value keep ``carried``, or else are false."""
     asked = asker.ask(batch)
     values = {a: asked.values.get(a, carried.get(a, Label.FALSE)) for a in batch}

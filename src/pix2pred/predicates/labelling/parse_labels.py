@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 from pix2pred.predicates.proposing.parse_atoms import clean, kept, mentions
 from pix2pred.structs import Label
@@ -19,20 +20,28 @@ _LINE_START = re.compile(r"\n[ \t>#+\-\d.)|\"'_•–]*\Z")
 _WORDS: Mapping[str, Label] = {label.word: label for label in Label}
 
 
-@dataclass(frozen=True, slots=True)
-class ParsedLabels:
+Value = TypeVar("Value")
+"""What an answer says about an atom."""
+
+
+@dataclass(frozen=True)  # no slots: a frozen generic class with slots cannot be made through ParsedLabels
+class Parsed(Generic[Value]):
     """The value of every queried atom that the answer gave one, and counts of what could not be used.
 
     ``other_words`` counts values that are neither True, False nor Unknown; ``unasked`` counts values for atoms that
     were not in the query; ``missing`` lists queried atoms without a value; ``places`` says where in the answer the
-    word stands that gave an atom its value.
+    word stands that gave an atom its value; ``text`` is the answer as it was read.
     """
 
-    values: dict[str, Label]
+    values: dict[str, Value]
     missing: tuple[str, ...]
     other_words: int
     unasked: int
     places: dict[str, int] = field(default_factory=dict)
+    text: str = ""
+
+
+ParsedLabels = Parsed[Label]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +67,7 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
     if statements:
         begins = [h.end() for h in _THIRD_SECTION.finditer(text) if h.end() <= statements[-1].start]
         statements = [s for s in statements if s.start >= max(begins, default=0)]
-    asked = _Asked(queried)
+    asked = QueriedAtoms(queried)
     inside: dict[str, tuple[Label, int]] = {}
     leading: dict[str, tuple[Label, int]] = {}
     other_words = unasked = 0
@@ -74,7 +83,7 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
     values = {atom: found[atom][0] for atom in queried if atom in found}
     raw = kept(answer) if values else []
     places = {atom: raw[found[atom][1]] for atom in values}
-    return ParsedLabels(values, tuple(a for a in queried if a not in found), other_words, unasked, places)
+    return ParsedLabels(values, tuple(a for a in queried if a not in found), other_words, unasked, places, answer)
 
 
 def _statements(text: str) -> Iterator[_Statement]:
@@ -85,7 +94,7 @@ def _statements(text: str) -> Iterator[_Statement]:
             yield _Statement(str(mention), word[1], mention.start, word.start(1), leads)
 
 
-class _Asked:
+class QueriedAtoms:
     """Queried atoms by their writing: as asked, or else whatever differs only in spaces, ``-`` for ``_``, and case."""
 
     def __init__(self, queried: Sequence[str]) -> None:
@@ -94,6 +103,7 @@ class _Asked:
         self._folded = {p.lower(): atom for p, atom in self._plain.items() if folded[p.lower()] == 1}
 
     def find(self, text: str) -> str | None:
+        """The queried atom that ``text`` writes, or none."""
         plain = _plain(text)
         return self._plain.get(plain) or self._folded.get(plain.lower())
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.labelling.asking import Gap, Occurrence
-from pix2pred.predicates.labelling.labeller import Labeller, StateLabels, UnusableAnswersError
+from pix2pred.predicates.labelling.labeller import Labeller
+from pix2pred.predicates.labelling.state_labels import StateLabels, UnusableAnswersError
 from pix2pred.structs import (
     Atom,
     Candidate,
