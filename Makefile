@@ -3,6 +3,8 @@
 # make test-all   install every extra and run the tests that need one; none may be skipped
 # make bench-smoke   a cut of the published comparison, as a table (make test-all runs it too)
 # make docs       build the documentation as a site into build/site; warnings are errors
+# make wheel      build wheel and sdist into dist/, install the wheel alone into a new environment, run the demo there
+# make licences   the same, and the licence of everything the core needs; fails on the GPL
 # make newest     the same tests with the newest versions of every dependency, in an environment of its own
 # Every target sets up .venv by itself, with the versions in constraints.txt. PYTHON=python3.12 make demo   uses another interpreter.
 
@@ -13,7 +15,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 TORCH ?= torch==2.13.0
 
-.PHONY: demo test test-all newest docs bench-smoke check clean
+.PHONY: demo test test-all newest docs wheel licences bench-smoke check clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/run.stamp: pyproject.toml $(CONSTRAINTS)
@@ -52,6 +54,19 @@ docs: $(VENV)/docs.stamp
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo 'open build/site/index.html'
 
+WHEEL := .venv-wheel
+wheel: $(VENV)/dev.stamp
+	rm -rf dist $(WHEEL)
+	$(BIN)/python -m build --outdir dist . >/dev/null
+	$(PYTHON) -m venv $(WHEEL)
+	$(WHEEL)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt dist/*.whl
+	$(WHEEL)/bin/python -m pip check
+	cd dist && ../$(WHEEL)/bin/pix2pred demo --count 2 --out demo
+	cd dist && ../$(WHEEL)/bin/pix2pred demo --recorded --count 2 --out demo
+
+licences: wheel
+	$(BIN)/pip-licenses --python $(WHEEL)/bin/python --partial-match --fail-on 'GNU General Public;GPL-2;GPL-3;AGPL'
+
 bench-smoke: $(VENV)/run.stamp
 	$(BIN)/pix2pred bench run smoke --jobs 2
 	$(BIN)/pix2pred bench report runs/bench-smoke
@@ -62,4 +77,4 @@ check: $(VENV)/dev.stamp
 	$(BIN)/mypy
 
 clean:
-	rm -rf $(VENV) .venv-newest .mypy_cache .ruff_cache .pytest_cache build dist
+	rm -rf $(VENV) .venv-newest $(WHEEL) .mypy_cache .ruff_cache .pytest_cache build dist
