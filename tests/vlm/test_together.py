@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable
 
@@ -108,3 +109,21 @@ def test_results_come_before_later_work_has_ended() -> None:
     assert next(results) == 0
     go_on.set()
     assert list(results) == [1, 2]
+
+
+def test_whoever_waits_for_a_place_hears_of_one_that_is_given_up() -> None:
+    """Threads are switched as often as can be: a missed call would leave all of them waiting for ever."""
+
+    def ask_often() -> None:
+        for number in range(60):
+            nested(Together(1 + number % 4), lambda name: name)
+
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1e-5)
+    try:
+        asking = threading.Thread(target=ask_often, daemon=True)
+        asking.start()
+        asking.join(WAITING)
+    finally:
+        sys.setswitchinterval(usual)
+    assert not asking.is_alive()

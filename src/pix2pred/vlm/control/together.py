@@ -97,6 +97,7 @@ class Together:
                 self._changed.wait_for(ended)
                 return
             self._free += 1
+            self._changed.notify_all()  # somebody whose parts have ended may be waiting for a place to go on
             self._begin()
             self._changed.wait_for(ended)
             self._going_on += 1  # before anything new begins
