@@ -7,6 +7,7 @@ import pytest
 
 from pix2pred.learning import LearningSettings, learn_operators
 from pix2pred.learning.operators.shared_words import with_shared_words
+from pix2pred.learning.operators.sharing import sharing
 from pix2pred.structs import (
     Action,
     Atom,
@@ -126,3 +127,12 @@ def test_nothing_is_shared_above_what_skills_declare(skill: Skill) -> None:
 def test_settings_that_do_not_lift_are_written_as_before_there_was_the_option() -> None:
     assert "lift_types" not in LearningSettings().model_dump(mode="json")
     assert LearningSettings(lift_types=True).model_dump(mode="json")["lift_types"] is True
+
+
+def test_what_is_shared_is_said_with_what_it_was_shown_with() -> None:
+    alike = [demo("a", THE_BAG, [HELD(THE_BAG)]), demo("b", THE_ICE, [HELD(THE_ICE)])]
+    (one,) = sharing(learned(alike, "robust"), alike)
+    assert (one.skill, one.argument, one.shown, one.learned, one.shared) == ("Pick", 1, ("bag", "ice"), ("item",), True)
+    apart = [alike[0], demo("b", THE_ICE, [HELD(THE_ICE), WET(THE_HAND)])]
+    (other,) = sharing(learned(apart, "cluster-and-intersect", WET), apart)
+    assert (other.learned, other.shared) == (("bag", "ice"), False)

@@ -1,4 +1,4 @@
-"""The robust learner: operators from labels that are sometimes wrong (method 5.6).
+"""The robust learner: operators from labels that are sometimes wrong (method 5.7).
 
 Transitions are first told apart by the predicates that are taken at their word, the given ones; this partition does not
 depend on the labels of a model. Within it, a hidden Markov model estimates for every other predicate how often its
