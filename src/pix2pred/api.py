@@ -23,7 +23,7 @@ from pix2pred.registry import REGISTRY, Registry, check_family
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import CONFIG, MODEL, SAMPLERS
-from pix2pred.settings import Settings, of_project, resolve
+from pix2pred.settings import Settings, of_kind, of_project, resolve
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
 from pix2pred.structs.formats import world_model as files
 from pix2pred.system.progress import Progress, silent
@@ -112,7 +112,7 @@ def learn(
     those of the project. Raises what ``pipeline.learn`` raises, and ``RegistryError`` for a name nobody knows.
     """
     project = data if isinstance(data, Project) else read_data(data)
-    chosen = settings or resolve(of_project(project.learning))
+    chosen = settings or resolve(of_kind(project.simulator), of_project(project.learning))
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
     learned = learn_world(LearningProblem(project.vocabulary, project.demos, model, chosen, progress))
     labeller = Labeller(model, chosen.labels, Together(chosen.flow.concurrent))

@@ -10,10 +10,11 @@ saves what each gave.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from pix2pred.learning import Advice, LearningSettings, Selection, advise, hill_climbing
+from pix2pred.learning.operators.shared_words import with_shared_words
 from pix2pred.learning.samplers.learn import learn_samplers
 from pix2pred.predicates import (
     Corrections,
@@ -130,16 +131,22 @@ def whole_pool(problem: LearningProblem) -> Pool:
 
 
 def label(problem: LearningProblem, pool: Pool) -> Labelling:
-    """The values of all initial and candidate atoms in all states (method 3-4)."""
+    """The values of all initial and candidate atoms in all states (method 3-4).
+
+    With ``lift_types``, candidates of one word about sibling types are then one candidate.
+    """
     settings = problem.settings
     problem.progress(Stage.LABEL, 0, len(problem.demos), "")
-    return label_demos(
+    labelling = label_demos(
         problem.demos,
         problem.vocabulary.initial,
         pool.candidates,
         Labeller(problem.vlm, settings.labels, Together(settings.flow.concurrent)),
         progress=problem.progress,
     )
+    if settings.learning.lift_types:
+        return replace(labelling, table=with_shared_words(labelling.table, problem.vocabulary.skills))
+    return labelling
 
 
 def ask(problem: LearningProblem, pool: PoolMaker = whole_pool) -> Asked:

@@ -72,6 +72,22 @@ def of_project(learning: Mapping[str, Any]) -> Layer:
     return Layer({"learning": dict(learning)}, "the learning section of domain.yaml")
 
 
+def of_kind(simulator: Mapping[str, str] | None) -> Layer:
+    """Defaults by kind of project: in one's own, without a ``simulator``, types are lifted.
+
+    Projects of the bundled domains learn as published unless they say otherwise.
+    """
+    return Layer({"learning": {"lift_types": True}} if simulator is None else {}, "settings")
+
+
+def as_begun(settings: Settings, written: object) -> Settings:
+    """``settings`` for a run whose file says ``written``: begun without lifting types, it goes on without."""
+    learning = written.get("learning") if isinstance(written, Mapping) else None
+    if not isinstance(learning, Mapping) or "lift_types" in learning:
+        return settings
+    return settings.model_copy(update={"learning": settings.learning.model_copy(update={"lift_types": False})})
+
+
 def of_options(section_and_name: Mapping[tuple[str, str], Any]) -> Layer:
     """What options of the command line say: values by (section, name); ``None`` stands for an option not given."""
     values: dict[str, dict[str, Any]] = {}

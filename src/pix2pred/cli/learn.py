@@ -23,8 +23,9 @@ from pix2pred.pipeline import LearningProblem, ask
 from pix2pred.registry import NO_LIMITS, Registry, Spending
 from pix2pred.report import REPORT, write_report
 from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.layout import CONFIG
 from pix2pred.runs.learn import learn_into, relearn
-from pix2pred.settings import Layer, Settings, of_file, of_options, of_project, resolve
+from pix2pred.settings import Layer, Settings, as_begun, of_file, of_kind, of_options, of_project, resolve
 from pix2pred.vlm import AnswerStore, StoreMode
 from pix2pred.vlm.model_spec import FORMS
 
@@ -99,6 +100,8 @@ def learn(
     )
     project = read_project(data)
     settings = project_settings(project, *([of_file(config)] if config else []), options)
+    if (out / CONFIG).is_file():
+        settings = as_begun(settings, RunFolder(out).config().get("settings"))
     asking = Asking(vlm or "offline", answers, mode or StoreMode.RESUME, Spending(max_requests, max_cost))
     if dry_run:
         estimate = estimated(registry, project, settings, asking.vlm, AnswerStore(answers or out))
@@ -164,7 +167,7 @@ def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:
 
 def project_settings(project: Project, *layers: Layer) -> Settings:
     """Defaults, overridden by the project's ``learning`` section and then by ``layers``. Raises ``SettingsError``."""
-    return resolve(of_project(project.learning), *layers)
+    return resolve(of_kind(project.simulator), of_project(project.learning), *layers)
 
 
 def estimated(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> dict[str, Any]:

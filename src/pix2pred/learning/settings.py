@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
 
 from pix2pred.learning.strategies import LEARNERS, OBJECTIVES, STOPPING_RULES
 
@@ -60,6 +60,19 @@ class LearningSettings(BaseModel):
         "letter",
     )  # fmt: skip
     tie_seed: int = Field(0, ge=0, description="seed of the random tie-break; used by exact-tree")
+
+    lift_types: bool = Field(
+        False, description="give variables the types that skills declare where the evidence does not tell their "
+        "subtypes apart; learn turns it on for projects without a simulator; published: off",
+    )  # fmt: skip
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_off(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Types that are not lifted are not mentioned: such a run's files are those of before the option was there."""
+        written: dict[str, Any] = serialize(self)
+        if not self.lift_types:
+            written.pop("lift_types", None)
+        return written
 
     @property
     def strictly_more(self) -> bool:

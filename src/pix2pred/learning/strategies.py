@@ -15,6 +15,7 @@ from pix2pred.learning.objective.objective import Map
 from pix2pred.learning.objective.planning_effort import DemoObjective
 from pix2pred.learning.operators.cluster_and_intersect import ClusterAndIntersect
 from pix2pred.learning.operators.learner import OperatorLearner
+from pix2pred.learning.operators.lifted_types import LiftedTypes
 from pix2pred.learning.operators.robust import Robust
 from pix2pred.learning.operators.transition_class import to_operator
 from pix2pred.learning.selection.explained_effort import ExplainedEffort
@@ -52,7 +53,8 @@ OWN_RULE: Mapping[str, str] = {"robust": "explained"}
 
 def operator_learner(settings: LearningSettings) -> OperatorLearner:
     """How operators are learned."""
-    return LEARNERS[settings.operators](settings)
+    learner = LEARNERS[settings.operators](settings)
+    return LiftedTypes(learner) if settings.lift_types else learner
 
 
 def demo_objective(settings: LearningSettings) -> DemoObjective:

@@ -6,7 +6,7 @@ one numbering in sorted order, so comparing indices compares names.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -71,6 +71,31 @@ class IndexedTable:
         self.demos = tuple(self._read_demo(demo) for demo in table.demos)
         self.transitions = tuple(self._read_transitions(table.demos))
         self._effects = [self._changes(p) for p in range(len(self.predicates))]
+        self._declared_types = False
+
+    def with_declared_types(self) -> IndexedTable:
+        """The same, the arguments of skills having the types that these declare, where effects allow it."""
+        new = copy(self)
+        new._declared_types = True
+        return new
+
+    def argument_types(self, transition: int, about: Iterable[tuple[int, ObjectIds]]) -> tuple[Type, ...]:
+        """The types of variables for a skill's arguments in a transition whose effects are ``about`` these atoms.
+
+        They are the types of the objects; with declared types the most general ones, up to those that the skill
+        declares, of which the atoms can be.
+        """
+        tr = self.transitions[transition]
+        if not self._declared_types or len(set(tr.args)) < len(tr.args):
+            return self.types(tr.args)
+        wanted: dict[int, list[Type]] = {o: [] for o in tr.args}
+        for predicate, objects in about:
+            for o, t in zip(objects, self.predicates[predicate].types, strict=True):
+                wanted.get(o, []).append(t)
+        declared = self.skills[tr.skill].types
+        return tuple(
+            _most_general(self.objects[o].type, most, wanted[o]) for o, most in zip(tr.args, declared, strict=True)
+        )
 
     def cost(self, predicate: int) -> float:
         """What choosing a candidate costs in the objective."""
@@ -79,6 +104,10 @@ class IndexedTable:
     def types(self, objects: ObjectIds) -> tuple[Type, ...]:
         """The types of ``objects``."""
         return tuple(self.objects[o].type for o in objects)
+
+    def fits(self, types: Sequence[Type], predicate: int, variables: Sequence[int]) -> bool:
+        """Whether ``variables`` of these ``types`` may be arguments of ``predicate``."""
+        return all(types[v].is_a(t) for v, t in zip(variables, self.predicates[predicate].types, strict=True))
 
     def extension(self, demo: int, state: int, predicate: int) -> Extension:
         """The argument tuples of which ``predicate`` is true in a state."""
@@ -167,3 +196,11 @@ class IndexedTable:
         before = self.extension(tr.demo, tr.step, predicate)
         after = self.extension(tr.demo, tr.step + 1, predicate)
         return after - before, before - after
+
+
+def _most_general(own: Type, most: Type, wanted: Sequence[Type]) -> Type:
+    """The type furthest above ``own``, up to ``most``, that is still each of the types ``wanted``."""
+    found = own
+    while found.name != most.name and found.parent is not None and all(found.parent.is_a(t) for t in wanted):
+        found = found.parent
+    return found

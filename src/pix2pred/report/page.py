@@ -18,6 +18,7 @@ from markupsafe import Markup
 
 from pix2pred import __version__
 from pix2pred.learning import Support, SupportKind
+from pix2pred.learning.operators.sharing import sharing
 from pix2pred.predicates import Corrections
 from pix2pred.report.attention import suspicions, unsure
 from pix2pred.report.changes import changes
@@ -64,6 +65,7 @@ def render(contents: Contents, *, review: bool = False) -> str:
         graph=operator_graph(contents.model.operators, contents.readings, contents.table.demos),
         box=(WIDTH, HEIGHT),
         evidence=_by_operator(contents.readings),
+        sharing=sharing(contents.model.operators, contents.table.demos),
         solved={name: (summary, episodes(summary, operators)) for name, summary in contents.solved.items()},
         usage=_usage(contents.timings),
         changes=changes(contents),

@@ -58,7 +58,8 @@ def _split(data: IndexedTable, cls: TransitionClass, added: int) -> Partition | 
     """The parts of ``cls`` by what ``added`` does to its variables and to other objects.
 
     ``None`` where that does not settle it, because a member's binding is one of several: when several variables of one
-    type are bound by effects alone, or several other objects of one type change.
+    type are bound by effects alone, or several other objects of one type change; or because a variable's type is too
+    general for the predicate.
     """
     free = [t for v, t in enumerate(cls.types) if v not in cls.skill_args]
     if len(set(free)) < len(free):
@@ -79,6 +80,8 @@ def _split(data: IndexedTable, cls: TransitionClass, added: int) -> Partition | 
         if len(set(kinds)) < len(kinds):
             return None
         plus, minus = (frozenset([tuple([variable[o] for o in args]) for args in e]) for e in changes)
+        if not all(data.fits(cls.types + kinds, added, atom) for atom in plus | minus):
+            return None
         parts.setdefault(_Change(kinds, plus, minus), []).append((i, member))
     if len(parts) == 1:
         (change,) = parts
@@ -159,7 +162,7 @@ def _invariant(data: IndexedTable, t: int, effects: Sequence[Effect]) -> tuple[o
     return (
         tr.skill,
         tuple(position[o] for o in tr.args),
-        tuple(t.name for t in data.types(tr.args)),
+        tuple(t.name for t in data.argument_types(t, [(p, objects) for p, _, objects in effects])),
         tuple(sorted(data.objects[o].type.name for o in others)),
         tuple(shape),
     )
@@ -205,9 +208,11 @@ def _lift(data: IndexedTable, members: Sequence[Member], effects: dict[int, list
     number = {o: i for i, o in enumerate(first.objects)}
     lifted = [(p, added, tuple(number[o] for o in objects)) for p, added, objects in effects[first.transition]]
     tr = data.transitions[first.transition]
+    about = [(p, objects) for p, _, objects in effects[first.transition]]
+    arguments = dict(zip(tr.args, data.argument_types(first.transition, about), strict=True))
     return TransitionClass(
         tr.skill,
-        data.types(first.objects),
+        tuple(arguments.get(o, data.objects[o].type) for o in first.objects),
         tuple(number[o] for o in tr.args),
         tuple((p, v) for p, added, v in lifted if added),
         tuple((p, v) for p, added, v in lifted if not added),

@@ -1,4 +1,4 @@
-"""The robust learner: operators from labels that are sometimes wrong (method 5.6).
+"""The robust learner: operators from labels that are sometimes wrong (method 5.7).
 
 Transitions are first told apart by the predicates that are taken at their word, the given ones; this partition does not
 depend on the labels of a model. Within it, a hidden Markov model estimates for every other predicate how often its
@@ -16,6 +16,7 @@ import numpy as np
 
 from pix2pred.learning.labels.hidden_markov import EffectKind, HiddenMarkovLabels
 from pix2pred.learning.operators.clustering import partition
+from pix2pred.learning.operators.lifted_types import fitting
 from pix2pred.learning.operators.robust_settings import RobustSettings
 from pix2pred.learning.operators.transition_class import (
     Lifted,
@@ -75,7 +76,10 @@ class RobustOperators:
         refined: list[TransitionClass] = []
         for cls in classes:
             found = effects.get(self._base_of[cls.first], ())
-            refined.extend(self._with_effects(*self._with_bystanders(cls, found), added))
+            wide, effects_here = self._with_bystanders(cls, found)
+            for part in fitting(self.data, wide, added, [v for v, _ in effects_here]):
+                own = [(v, effect) for v, effect in effects_here if self.data.fits(part.types, added, v)]
+                refined.extend(self._with_effects(part, own, added))
         return tuple(sorted(refined, key=lambda c: c.first))
 
     def _with_bystanders(self, cls: TransitionClass, effects: RoleEffects) -> tuple[TransitionClass, RoleEffects]:

@@ -1,4 +1,4 @@
-"""The robust learner's stopping rule: climb while a predicate explains planning effort (method 5.6, 6.3).
+"""The robust learner's stopping rule: climb while a predicate explains planning effort (method 5.7, 6.3).
 
 J is made of nodes, which grow with the size of a task, and of charges for plans of the wrong length, which do not grow
 and which say that a predicate is missing. A candidate has to save half a back-track's charge, or nearly half of the
