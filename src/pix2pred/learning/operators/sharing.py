@@ -1,4 +1,4 @@
-"""What operators share: which types of objects a skill was shown with, and whether they became one operator or several."""
+"""What operators share: with which types of objects a skill was shown, and whether one operator came of it."""
 
 from __future__ import annotations
 
