@@ -18,7 +18,7 @@ from pix2pred.learning.samplers.file import load_samplers
 from pix2pred.pipeline import Learned, LearningProblem
 from pix2pred.pipeline import learn as learn_world
 from pix2pred.planning.pddl.write import write_domain
-from pix2pred.predicates import Labeller
+from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY, Registry, check_family
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.folder import RunFolder, RunFolderError
@@ -115,7 +115,7 @@ def learn(
     chosen = settings or resolve(of_kind(project.simulator), of_project(project.learning))
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
     learned = learn_world(LearningProblem(project.vocabulary, project.demos, model, chosen, progress))
-    labeller = Labeller(model, chosen.labels, Together(chosen.flow.concurrent))
+    labeller = labeller_for(model, chosen.labels, Together(chosen.flow.concurrent))
     return Model(Solver(learned.model, REGISTRY.planner(planner), labeller, samplers=learned.samplers), learned)
 
 
@@ -156,7 +156,7 @@ def load_solver(
         raise RunFolderError(f"{folder.path / CONFIG}: is damaged ({type(error).__name__}: {error})") from error
     if stored.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
-    labeller = Labeller(stored, settings.labels, Together(settings.flow.concurrent))
+    labeller = labeller_for(stored, settings.labels, Together(settings.flow.concurrent))
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
     return Solver(model, registry.planner(planner), labeller, closed_loop, samplers=samplers), config
 

@@ -18,13 +18,12 @@ from pix2pred.learning.operators.shared_words import with_shared_words
 from pix2pred.learning.samplers.learn import learn_samplers
 from pix2pred.predicates import (
     Corrections,
-    Labeller,
     Labelling,
     Proposal,
     feature_predicates,
     label_demos,
-    lift,
-    propose,
+    labeller_for,
+    proposed_pool,
 )
 from pix2pred.settings import Settings
 from pix2pred.structs import Candidate, Demo, PictureError, Predicate, TruthTable, Vocabulary, WorldModel
@@ -109,14 +108,16 @@ def visual_pool(problem: LearningProblem) -> Pool:
     """What the model proposes (method 2). Raises ``EmptyProposalError`` when none of it is usable."""
     settings = problem.settings
     problem.progress(Stage.PROPOSE, 0, len(problem.demos), "")
-    proposals = propose(
+    candidates, proposals = proposed_pool(
         problem.demos,
+        problem.vocabulary.initial,
         problem.vlm,
         settings.proposal,
-        together=Together(settings.flow.concurrent),
-        progress=problem.progress,
+        settings.labels,
+        Together(settings.flow.concurrent),
+        problem.progress,
     )
-    return Pool(lift(proposals, taken=[p.name for p in problem.vocabulary.initial]), proposals)
+    return Pool(candidates, proposals)
 
 
 def feature_pool(problem: LearningProblem) -> Pool:
@@ -141,7 +142,7 @@ def label(problem: LearningProblem, pool: Pool) -> Labelling:
         problem.demos,
         problem.vocabulary.initial,
         pool.candidates,
-        Labeller(problem.vlm, settings.labels, Together(settings.flow.concurrent)),
+        labeller_for(problem.vlm, settings.labels, Together(settings.flow.concurrent)),
         progress=problem.progress,
     )
     if settings.learning.lift_types:

@@ -6,12 +6,14 @@ After an intended change run ``PIX2PRED_SNAPSHOTS=write pytest tests/predicates/
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
 
-from pix2pred.predicates import Labeller, LabelSettings, ProposalSettings, ground_atoms
+from pix2pred.predicates import Labeller, LabelProtocol, LabelSettings, ProposalSettings, ground_atoms, labeller_for
+from pix2pred.predicates.frugal.proposing import words_request
 from pix2pred.predicates.proposing.propose import proposal_request
 from pix2pred.structs import FromVLM, Predicate
 from pix2pred.vlm import Request
@@ -19,7 +21,16 @@ from predicates.scripted import COOKED, HOLDING, POOL, ScriptedVLM, demo
 
 SNAPSHOTS = Path(__file__).parents[1] / "data" / "prompts"
 PROMPTS = files("pix2pred.predicates") / "prompts"
-FILES = ("double_check", "label_first", "label_first_terse", "label_next", "propose", "propose_specific")
+FILES = (
+    "double_check",
+    "frugal_label",
+    "frugal_propose",
+    "label_first",
+    "label_first_terse",
+    "label_next",
+    "propose",
+    "propose_specific",
+)
 
 
 def check(name: str, text: str) -> None:
@@ -63,3 +74,18 @@ def test_filled_labels() -> None:
     check("filled_label_next", shown(later))
     check("filled_double_check", shown(again))
     check("filled_label_first_terse", shown(labelling(LabelSettings(attempts=1, style="terse"))[0]))
+
+
+def test_filled_frugal_prompts() -> None:
+    asked = Predicate(
+        "holding0", HOLDING.types, FromVLM("holding", ("grasping",)), "The first has the second in its hand."
+    )
+    known = [replace(COOKED, description="The patty is brown."), asked]
+    check("filled_frugal_propose", shown(words_request(demo(), known, ProposalSettings(max_atoms=25))))
+    vlm = ScriptedVLM(lambda request: "* cooked(patty1): True\n* cooked(patty2): True")
+    settings = LabelSettings(protocol=LabelProtocol.FRUGAL, attempts=1, hints=("Cooking is instantaneous.",))
+    labeller = labeller_for(vlm, settings)
+    labeller.demo(demo(actions=1), ground_atoms(known, demo().objects))
+    labeller.first(demo().states[0], demo().objects, ground_atoms(known, demo().objects))
+    check("filled_frugal_label", shown(vlm.asked[0]))
+    check("filled_frugal_label_first", shown(vlm.asked[1]))

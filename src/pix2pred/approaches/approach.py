@@ -22,7 +22,7 @@ from pix2pred.pipeline import (
     learn,
 )
 from pix2pred.planning import TaskPlanner
-from pix2pred.predicates import Labeller
+from pix2pred.predicates import labeller_for
 from pix2pred.settings import Settings
 from pix2pred.structs import (
     Episode,
@@ -122,7 +122,7 @@ class ModelAgent:
     def solve(self, task: Task, environment: Environment, truth: TruthOf | None) -> Episode:
         """Open loop, as the paper does in simulation."""
         problem = self.training.problem
-        labeller = Labeller(problem.vlm, problem.settings.labels, Together(problem.settings.flow.concurrent))
+        labeller = labeller_for(problem.vlm, problem.settings.labels, Together(problem.settings.flow.concurrent))
         solver = Solver(self.model, self.training.planner, labeller, samplers=self.learned.samplers)
         return solver.solve(task, environment, truth)
 

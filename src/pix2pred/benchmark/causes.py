@@ -11,7 +11,7 @@ from pix2pred.execution.episode import open_loop
 from pix2pred.execution.explaining.diagnosis import LabelCheck, check_labels, correct_labels, given_atoms, visual
 from pix2pred.execution.explaining.replayed_demos import TruthInDemo
 from pix2pred.execution.parameters import Parameters
-from pix2pred.predicates import Labeller
+from pix2pred.predicates import labeller_for
 from pix2pred.structs import Episode, Failure, FromVLM, PlanStatus, Task
 from pix2pred.structs.environment import Environment
 
@@ -47,7 +47,9 @@ def _solves(agent: ModelAgent, task: Task, environment: Environment, truth: Trut
     """Whether ``agent``'s model, with true labels of the initial state, gives a plan that works."""
     environment.reset()
     seen = frozenset(episode.labels)
-    given = given_atoms(agent.model, Labeller(agent.training.problem.vlm, agent.training.problem.settings.labels), task)
+    given = given_atoms(
+        agent.model, labeller_for(agent.training.problem.vlm, agent.training.problem.settings.labels), task
+    )
     state = given | correct_labels(seen, check_labels(truth, seen, task, agent.model).wrong)
     found = agent.training.planner.plan(agent.model.operators, task.objects, state, task.goal)
     parameters = Parameters.for_task(agent.learned.samplers, 0, task)

@@ -9,7 +9,7 @@ from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, 
 from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
 from pix2pred.planning import TaskPlanner
-from pix2pred.predicates import Abstraction, Labeller
+from pix2pred.predicates import Abstraction, StateLabeller
 from pix2pred.structs import AbstractState, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.samplers import Sampler
@@ -26,7 +26,7 @@ class Solver:
 
     model: WorldModel
     planner: TaskPlanner
-    labeller: Labeller
+    labeller: StateLabeller
     closed_loop: bool = False
     max_skills: int = 200
     samplers: Mapping[str, Sampler] = field(default_factory=dict)

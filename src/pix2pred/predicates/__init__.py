@@ -6,8 +6,8 @@ from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
 from pix2pred.predicates.labelling.asking import Gap, Occurrence
 from pix2pred.predicates.labelling.evidence import EVIDENCE, EvidenceError, dump_evidence
 from pix2pred.predicates.labelling.labeller import Labeller
-from pix2pred.predicates.labelling.settings import LabelSettings
-from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel, UnusableAnswersError
+from pix2pred.predicates.labelling.settings import LabelProtocol, LabelSettings
+from pix2pred.predicates.labelling.state_labels import StateLabeller, StateLabels, StepToLabel, UnusableAnswersError
 from pix2pred.predicates.labelling.table import Labelling, goal_warnings, ground_atoms, label_demos
 from pix2pred.predicates.proposing.propose import (
     EmptyProposalError,
@@ -18,6 +18,7 @@ from pix2pred.predicates.proposing.propose import (
     lift,
     propose,
 )
+from pix2pred.predicates.protocols import labeller_for, proposed_pool
 
 __all__ = [
     "CORRECTIONS",
@@ -29,6 +30,7 @@ __all__ = [
     "EvidenceError",
     "Gap",
     "GrammarSettings",
+    "LabelProtocol",
     "LabelSettings",
     "Labeller",
     "Labelling",
@@ -37,6 +39,7 @@ __all__ = [
     "ProposalSettings",
     "ProposedAtom",
     "Rejection",
+    "StateLabeller",
     "StateLabels",
     "StepToLabel",
     "UnusableAnswersError",
@@ -45,7 +48,9 @@ __all__ = [
     "goal_warnings",
     "ground_atoms",
     "label_demos",
+    "labeller_for",
     "lift",
     "load_corrections",
     "propose",
+    "proposed_pool",
 ]

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.labelling.asking import Occurrence
-from pix2pred.predicates.labelling.labeller import Labeller
-from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel, UnusableAnswersError
+from pix2pred.predicates.labelling.state_labels import StateLabeller, StateLabels, StepToLabel, UnusableAnswersError
 from pix2pred.predicates.labelling.table import ground_atoms
 from pix2pred.structs import (
     AbstractState,
@@ -26,7 +25,7 @@ class Abstraction:
     Only groundings of ``predicates`` over ``objects`` are asked for. There is no double check (method 3.5).
     """
 
-    def __init__(self, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: Labeller) -> None:
+    def __init__(self, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: StateLabeller) -> None:
         self._objects = objects
         self._labeller = labeller
         atoms = ground_atoms(predicates, objects)

@@ -20,7 +20,11 @@ class Purpose(StrEnum):
     """The step of the method that asks: models that are simulated answer by it, and usage is counted by it."""
 
     PROPOSE = "propose"
+    DEFINE = "define"
+    """Predicates with their meanings: the frugal protocol's proposals."""
     LABEL = "label"
+    HISTORY = "label-history"
+    """Labels of several states in one answer: the frugal protocol's labels."""
     DOUBLE_CHECK = "double-check"
     PLAN = "plan"
     CODE = "code"

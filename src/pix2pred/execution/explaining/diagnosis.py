@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pix2pred.predicates import Abstraction, Labeller, ground_atoms
+from pix2pred.predicates import Abstraction, StateLabeller, ground_atoms
 from pix2pred.structs import AbstractState, Atom, FromVLM, Predicate, Task, WorldModel
 
 TruthOf = Callable[[Atom], bool | None]
@@ -49,7 +49,7 @@ def correct_labels(seen: AbstractState, errors: Mapping[Atom, bool]) -> Abstract
     return frozenset((seen - errors.keys()) | {atom for atom, value in errors.items() if value})
 
 
-def given_atoms(model: WorldModel, labeller: Labeller, task: Task) -> AbstractState:
+def given_atoms(model: WorldModel, labeller: StateLabeller, task: Task) -> AbstractState:
     """The atoms of the task's initial state that hold and that no model is asked about."""
     asked = visual(model.predicates)
     others = [p for p in model.predicates if p not in asked]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -9,11 +10,26 @@ from pydantic import BaseModel, ConfigDict, Field
 from pix2pred.structs.views import LONGEST_SIDE
 
 
+class LabelProtocol(StrEnum):
+    """How a model is asked. PUBLISHED: state by state, as in the paper. FRUGAL: words with definitions, and all states
+    of a demonstration in one question."""
+
+    PUBLISHED = "published"
+    FRUGAL = "frugal"
+
+
 class LabelSettings(BaseModel):
     """How states are labelled."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    protocol: LabelProtocol = Field(LabelProtocol.PUBLISHED, description="how a model is asked, proposals included")
+    states_per_query: int = Field(
+        10, ge=2, le=50, description="frugal: most states that one question shows; 10 pictures fit every provider"
+    )
+    words_per_meaning: int = Field(
+        3, ge=1, le=9, description="frugal: words asked for each meaning at test time, of which the majority decides"
+    )
     style: Literal["cot", "terse"] = Field("cot", description="explanations in the first state, or none")
     double_check: bool = Field(True, description="second query after t = 0, in training only")
     crops: bool = Field(True, description="also show the part of the scene the skill was about, before and after")

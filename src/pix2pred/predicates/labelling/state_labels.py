@@ -10,7 +10,7 @@ from typing import Protocol
 from pix2pred.predicates.labelling.asking import Gap, Occurrence
 from pix2pred.structs import Action, Atom, Demo, Label, Object, State
 from pix2pred.system.errors import Pix2predError
-from pix2pred.vlm import VLM
+from pix2pred.vlm import VLM, Together
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +61,11 @@ class StateLabeller(Protocol):
     @property
     def vlm(self) -> VLM:
         """The model that is asked."""
+        ...
+
+    @property
+    def together(self) -> Together:
+        """How much is asked at once."""
         ...
 
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:

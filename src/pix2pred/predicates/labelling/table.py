@@ -10,8 +10,7 @@ import numpy as np
 
 from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.labelling.asking import Gap, Occurrence
-from pix2pred.predicates.labelling.labeller import Labeller
-from pix2pred.predicates.labelling.state_labels import StateLabels, UnusableAnswersError
+from pix2pred.predicates.labelling.state_labels import StateLabeller, StateLabels, UnusableAnswersError
 from pix2pred.structs import (
     Atom,
     Candidate,
@@ -39,7 +38,7 @@ def label_demos(
     demos: Sequence[Demo],
     initial: Sequence[Predicate],
     pool: Sequence[Candidate],
-    labeller: Labeller,
+    labeller: StateLabeller,
     *,
     progress: Progress = silent,
 ) -> Labelling:
@@ -64,7 +63,7 @@ def label_demos(
 
 
 def _label_demo(
-    demo: Demo, predicates: Iterable[Predicate], labeller: Labeller
+    demo: Demo, predicates: Iterable[Predicate], labeller: StateLabeller
 ) -> tuple[LabelledDemo, tuple[StateLabels, ...]]:
     atoms = ground_atoms(predicates, demo.objects)
     asked = [a for a in atoms if is_asked(a)]

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pix2pred.predicates.frugal.definitions import Definition
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
-from pix2pred.predicates.proposing.parse_atoms import clean, mentions
+from pix2pred.predicates.proposing.parse_atoms import Mention, clean, mentions
 from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
 from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.errors import Pix2predError
@@ -40,10 +41,14 @@ class ProposalSettings(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class ProposedAtom:
-    """An accepted atom, in the words of the model and over the demonstration's objects."""
+    """An accepted atom, in the words of the model and over the demonstration's objects.
+
+    ``definition`` is what the model says it means, where it was asked for that.
+    """
 
     name: str
     objects: tuple[Object, ...]
+    definition: Definition | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,10 +94,15 @@ def propose(
     for proposal in asking.map(lambda demo: _propose_for(demo, vlm, settings), demos):
         proposals.append(proposal)
         progress(Stage.PROPOSE, len(proposals), len(demos), proposal.demo)
+    return refuse_empty(vlm, proposals)
+
+
+def refuse_empty(vlm: VLM, proposals: Sequence[Proposal]) -> tuple[Proposal, ...]:
+    """``proposals``; raises ``EmptyProposalError`` if none of them holds a usable atom."""
     if not any(p.accepted for p in proposals):
         first = next((f" ({p.demo}: {p.problem})" for p in proposals if p.problem), "")
         raise EmptyProposalError(
-            f"{vlm.name} proposed no usable predicate for any of {len(demos)} demonstrations{first}; "
+            f"{vlm.name} proposed no usable predicate for any of {len(proposals)} demonstrations{first}; "
             "see the rejected atoms in the run folder (proposals.json)",
             tuple(proposals),
         )
@@ -100,13 +110,30 @@ def propose(
 
 
 def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings) -> Proposal:
-    proposal, budget = Proposal(demo.name, (), ()), ANSWER_TOKENS
-    for attempt in range(settings.attempts):
+    return answered_proposal(
+        demo.name,
+        vlm,
+        lambda attempt, budget: proposal_request(demo, settings, attempt, budget),
+        lambda answer: read_proposal(demo, answer, settings),
+        settings.attempts,
+    )
+
+
+def answered_proposal(
+    demo: str, vlm: VLM, request: Callable[[int, int], Request], read: Callable[[str], Proposal], attempts: int
+) -> Proposal:
+    """What came of asking about the demonstration called ``demo``, at most ``attempts`` times.
+
+    ``request`` makes the question from the number of the attempt and the answer's token budget, which grows when an
+    answer was cut short and shrinks when the model does not allow it; ``read`` reads an answer.
+    """
+    proposal, budget = Proposal(demo, (), ()), ANSWER_TOKENS
+    for attempt in range(attempts):
         try:
-            answer = vlm.answer(proposal_request(demo, settings, attempt, budget))
+            answer = vlm.answer(request(attempt, budget))
         except NoAnswerError as error:
             return replace(proposal, problem=f"no answer: {error}")
-        read = read_proposal(demo, answer.text, settings)
+        found = read(answer.text)
         if answer.finish == Finish.REFUSED:
             proposal = replace(proposal, problem=proposal.problem or "refused")
         elif answer.finish == Finish.TOO_LARGE:
@@ -114,28 +141,22 @@ def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings) -> Proposal:
             proposal = replace(proposal, problem="the model never allowed an answer of the length asked for")
         elif answer.finish == Finish.CUT_SHORT:
             budget *= 2
-            proposal = replace(_whole_lines(demo, answer.text, settings), problem="the answer was always cut short")
-        elif read.accepted:
-            return read
+            whole_lines = read(answer.text.rpartition("\n")[0])
+            proposal = replace(whole_lines, problem="the answer was always cut short")
+        elif found.accepted:
+            return found
         else:
-            proposal = read if not proposal.accepted else proposal
+            proposal = found if not proposal.accepted else proposal
     return proposal
-
-
-def _whole_lines(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
-    """What was read from an answer that broke off, without its last line."""
-    return read_proposal(demo, answer.rpartition("\n")[0], settings)
 
 
 def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS) -> Request:
     """The query about one demonstration: instruction, objects, actions, then every state's pictures."""
-    limit = "Propose only {} to {} predicates.\n".format(*settings.asked) if settings.asked else ""
-    limit += f"List at most {settings.max_atoms} predicates in total.\n" if settings.max_atoms else ""
     text = fill(
         "propose" if settings.variant == "diverse" else "propose_specific",
         objects=object_lines(demo.objects),
         actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
-        limit=limit,
+        limit=limit_text(settings),
     )
     size, marks = settings.longest_side, settings.marks
     shown = (views(s, t, demo.objects, marks=marks, longest_side=size) for t, s in enumerate(demo.states))
@@ -145,11 +166,18 @@ def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0, b
         budget,
         attempt=attempt,
         about=demo.name,
-        review=lambda answer: _review(read_proposal(demo, answer, settings)),
+        review=lambda answer: review(read_proposal(demo, answer, settings)),
     )
 
 
-def _review(proposal: Proposal) -> Review | None:
+def limit_text(settings: ProposalSettings) -> str:
+    """The sentences that say how many predicates are asked for; empty without such a setting."""
+    limit = "Propose only {} to {} predicates.\n".format(*settings.asked) if settings.asked else ""
+    return limit + (f"List at most {settings.max_atoms} predicates in total.\n" if settings.max_atoms else "")
+
+
+def review(proposal: Proposal) -> Review | None:
+    """What is wrong with the answer that ``proposal`` was read from."""
     if proposal.accepted:
         return None
     why = "; ".join(f"{r.text}: {r.reason}" for r in proposal.rejected[:3])
@@ -158,27 +186,34 @@ def _review(proposal: Proposal) -> Review | None:
 
 def read_proposal(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
     """Parse an answer and filter it as section 2.3 says, keeping the reason for everything left out."""
-    known = {o.name: o for o in demo.objects} | {o.prompt_name: o for o in demo.objects}
     accepted: dict[ProposedAtom, None] = {}
     rejected: dict[Rejection, None] = {}
     for mention in mentions(clean(answer)):
-        reason = None
-        unknown = [a for a in mention.args if a not in known]
-        objects = tuple(known[a] for a in mention.args if a in known)
-        atom = ProposedAtom(mention.name, objects)
-        if unknown:
-            reason = f"{unknown[0]} is not an object of this demonstration"
-        elif word := _excluded(mention.name, mention.args, settings.exclude):
-            reason = f"mentions the excluded word {word}"
-        elif len(set(objects)) < len(objects):
-            reason = "names one object twice"
-        elif atom not in accepted and settings.max_atoms and len(accepted) >= settings.max_atoms:
-            reason = f"over the limit of {settings.max_atoms} atoms"
-        if reason:
-            rejected[Rejection(str(mention), reason)] = None
+        found = judged(demo, mention, settings, accepted)
+        if isinstance(found, Rejection):
+            rejected[found] = None
         else:
-            accepted[atom] = None
+            accepted[found] = None
     return Proposal(demo.name, tuple(accepted), tuple(rejected))
+
+
+def judged(
+    demo: Demo, mention: Mention, settings: ProposalSettings, accepted: Collection[ProposedAtom]
+) -> ProposedAtom | Rejection:
+    """The atom that ``mention`` writes, or why it is not used (method 2.3); ``accepted`` are those taken already."""
+    known = {o.name: o for o in demo.objects} | {o.prompt_name: o for o in demo.objects}
+    unknown = [a for a in mention.args if a not in known]
+    objects = tuple(known[a] for a in mention.args if a in known)
+    atom = ProposedAtom(mention.name, objects)
+    if unknown:
+        return Rejection(str(mention), f"{unknown[0]} is not an object of this demonstration")
+    if word := _excluded(mention.name, mention.args, settings.exclude):
+        return Rejection(str(mention), f"mentions the excluded word {word}")
+    if len(set(objects)) < len(objects):
+        return Rejection(str(mention), "names one object twice")
+    if atom not in accepted and settings.max_atoms and len(accepted) >= settings.max_atoms:
+        return Rejection(str(mention), f"over the limit of {settings.max_atoms} atoms")
+    return atom
 
 
 def _excluded(name: str, args: Iterable[str], exclude: Iterable[str]) -> str | None:

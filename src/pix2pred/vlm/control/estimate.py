@@ -15,12 +15,23 @@ from typing import Any
 from pix2pred.vlm.answers.stored import StoredVLM
 from pix2pred.vlm.hosted.picture_tokens import picture_tokens
 from pix2pred.vlm.hosted.pricing import dollars
-from pix2pred.vlm.offline.prompt_format import asked_atoms, label_answer, object_types, value_line
+from pix2pred.vlm.offline.prompt_format import (
+    asked_atoms,
+    defined_words,
+    history_line,
+    label_answer,
+    object_types,
+    states_shown,
+    value_line,
+)
 from pix2pred.vlm.request import Answer, Purpose, Request, VLMError
 
 CHARACTERS_PER_TOKEN = 4
 ASSUMED_WORDS = 8
 """Predicates assumed per type and argument place where no proposal is stored."""
+CHANGING = 4
+"""One atom in so many is assumed to change once in a question about several states."""
+PROPOSING = (Purpose.PROPOSE, Purpose.DEFINE)
 _WHY = "It looks as it did before; nothing that happened to it changes this."
 
 
@@ -54,14 +65,14 @@ class EstimatingVLM:
         try:
             answer = self._stored.answer(request)
         except VLMError:
-            answer = Answer(self._assumed_proposal(request) if request.purpose == Purpose.PROPOSE else _labels(request))
+            answer = Answer(self._assumed(request))
         with self._lock:
             count = self._counts[request.purpose]
             count["queries"] += 1
             count["from_store"] += answer.stored
             if not answer.stored:
                 count["pictures"] += len(request.views)
-                count["atoms"] += sum(1 for _ in asked_atoms(request.text)) if request.purpose != Purpose.PROPOSE else 0
+                count["atoms"] += 0 if request.purpose in PROPOSING else sum(1 for _ in asked_atoms(request.text))
                 seen = sum(picture_tokens(self._provider, *view.shown_size) for view in request.views)
                 count["input"] += len(request.text) // CHARACTERS_PER_TOKEN + seen
                 count["output"] += len(answer.text) // CHARACTERS_PER_TOKEN
@@ -91,6 +102,22 @@ class EstimatingVLM:
             count["input"], count["output"], price,
         )  # fmt: skip
 
+    def _assumed(self, request: Request) -> str:
+        match request.purpose:
+            case Purpose.PROPOSE | Purpose.DEFINE:
+                return self._assumed_proposal(request)
+            case Purpose.HISTORY:
+                states = list(states_shown(request.views))
+                half = states[len(states) // 2]
+                return "\n".join(
+                    history_line(
+                        atom, {n: n >= half for n in states} if i % CHANGING == 0 else dict.fromkeys(states, False)
+                    )
+                    for i, atom in enumerate(asked_atoms(request.text))
+                )
+            case _:
+                return _labels(request)
+
     def _assumed_proposal(self, request: Request) -> str:
         """``ASSUMED_WORDS`` unary predicates of every type, and as many binary ones of neighbouring types."""
         self.assumed = True
@@ -100,6 +127,10 @@ class EstimatingVLM:
         names = list(first.values())
         unary = [f"assumed_{i}({name})" for name in names for i in range(ASSUMED_WORDS)]
         pairs = list(pairwise(names))
+        if request.purpose == Purpose.DEFINE:
+            known = {word for word, _ in defined_words(request.text)}
+            atoms = [a for a in unary if a.partition("(")[0] not in known]
+            return "\n".join(f"* {atom} | CHANGES | {_WHY}" for atom in atoms)
         return "\n".join(unary + [f"assumed_{i}({a}, {b})" for a, b in pairs for i in range(ASSUMED_WORDS // 2)])
 
 

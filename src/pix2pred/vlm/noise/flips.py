@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 
-from pix2pred.vlm.offline.prompt_format import current_views
+from pix2pred.vlm.offline.prompt_format import current_views, histories, history_line, states_shown
 from pix2pred.vlm.request import VLM, Answer, Purpose, Request
 
 _VALUE = re.compile(r"^([* ]*)([A-Za-z_]\w*\([^()]*\)): (True|False)\b", re.MULTILINE)
@@ -27,14 +27,24 @@ class FlippingVLM:
         """The model's answer with some labels flipped; proposals are left alone."""
         answer = self._model.answer(request)
         views = current_views(request.views)
-        if request.purpose == Purpose.PROPOSE or not views:
+        if request.purpose in (Purpose.PROPOSE, Purpose.DEFINE) or not views:
             return answer
+        if request.purpose == Purpose.HISTORY:
+            pictures = {number: shown[0].picture.image.digest for number, shown in states_shown(request.views).items()}
+            lines = [
+                history_line(atom, {n: self._said(pictures[n], atom, value) for n, value in values.items()})
+                for atom, values in histories(answer.text, list(pictures))
+            ]
+            return Answer("\n".join(lines), answer.stored)
         picture = views[0].picture.image.digest
 
         def value(match: re.Match[str]) -> str:
-            text = f"{self._seed}|{picture}|{match[2]}"
-            draw = int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56
-            said = (match[3] == "True") != (draw < self._rate)
-            return f"{match[1]}{match[2]}: {said}"
+            return f"{match[1]}{match[2]}: {self._said(picture, match[2], match[3] == 'True')}"
 
         return Answer(_VALUE.sub(value, answer.text), answer.stored)
+
+    def _said(self, picture: str, atom: str, value: bool | None) -> bool | None:
+        """The value that is given in place of ``value``; what is unknown stays so."""
+        text = f"{self._seed}|{picture}|{atom}"
+        draw = int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56
+        return None if value is None else value != (draw < self._rate)

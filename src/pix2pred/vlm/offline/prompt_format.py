@@ -12,6 +12,12 @@ _OBJECT_LINE = re.compile(r"^- (\S+) \(([^()\s]+)\)$", re.MULTILINE)
 _ATOM_LINE = re.compile(r"^([A-Za-z_]\w*)\(([^()]*)\)$")
 _PREVIOUS = re.compile(r"<previous>\n(.*?)\n</previous>", re.DOTALL)
 _VALUE_LINE = re.compile(r"^[* ]*([A-Za-z_]\w*\([^()]*\)): (True|False|Unknown)\b", re.MULTILINE)
+_HISTORY_LINE = re.compile(
+    r"^\* ([A-Za-z_]\w*\([^()]*\)): (True|False|Unknown)((?:; \d+ (?:True|False|Unknown))*)$", re.MULTILINE
+)
+_CHANGE = re.compile(r"; (\d+) (True|False|Unknown)")
+_DEFINED = re.compile(r"<defined>\n(.*?)\n</defined>", re.DOTALL)
+_DEFINED_LINE = re.compile(r"^- ([A-Za-z_]\w*)(\([^:]*\)):", re.MULTILINE)
 _NAMES = {True: "True", False: "False", None: "Unknown"}
 
 
@@ -61,6 +67,37 @@ def current_views(views: Sequence[View]) -> list[View]:
     return [v for v in whole if v.state == latest]
 
 
+def states_shown(views: Sequence[View]) -> dict[int, list[View]]:
+    """The uncropped pictures of every state, by its number in ascending order."""
+    shown: dict[int, list[View]] = {}
+    for view in sorted((v for v in views if v.crop is None), key=lambda v: v.state):
+        shown.setdefault(view.state, []).append(view)
+    return shown
+
+
+def history_line(atom: AskedAtom | str, values: Mapping[int, bool | None]) -> str:
+    """One bulleted line with the values by state: the first, then every one that differs from the one before."""
+    said, before = [], None
+    for i, (state, value) in enumerate(values.items()):
+        if i == 0:
+            said.append(_NAMES[value])
+        elif value != before:
+            said.append(f"{state} {_NAMES[value]}")
+        before = value
+    return f"* {atom}: {'; '.join(said)}"
+
+
+def histories(answer: str, states: Sequence[int]) -> Iterator[tuple[str, dict[int, bool | None]]]:
+    """The atoms of such lines and their values in each of ``states``."""
+    words = {name: value for value, name in _NAMES.items()}
+    for atom, first, rest in _HISTORY_LINE.findall(answer):
+        changes = {int(number): words[word] for number, word in _CHANGE.findall(rest)}
+        value, values = words[first], {}
+        for state in states:
+            value = values[state] = changes.get(state, value)
+        yield atom, values
+
+
 def value_line(atom: AskedAtom, value: bool | None, why: str) -> str:
     """One bulleted line of an answer."""
     return f"* {atom}: {_NAMES[value]}. {why}"
@@ -97,6 +134,36 @@ def proposal_answer(text: str, words: Sequence[KnownWord]) -> str:
             if related:
                 lines.append(f"  {title}: {', '.join(related)}")
     return "\n".join([*lines, "In general: on(x, y) means that x rests on y."])
+
+
+def defined_words(text: str) -> set[tuple[str, tuple[str, ...]]]:
+    """The words that a prompt says are defined already, with their types."""
+    match = _DEFINED.search(text)
+    return {
+        (word, tuple(t.strip() for t in types.split(",")))
+        for word, signatures in (_DEFINED_LINE.findall(match[1]) if match else ())
+        for types in re.findall(r"\(([^()]*)\)", signatures)
+    }
+
+
+def definition_answer(text: str, words: Sequence[KnownWord], meanings: Mapping[str, str] | None = None) -> str:
+    """One line per group of words that is not defined yet, with ``meanings`` by group where they are known."""
+    types, defined = object_types(text), defined_words(text)
+    groups: dict[tuple[str, tuple[str, ...]], list[KnownWord]] = {}
+    for word in words:
+        groups.setdefault((word.group, word.types), []).append(word)
+    lines = []
+    for (group, signature), (first, *rest) in groups.items():
+        example = _example(types, signature)
+        if example is None or any((w.word, signature) in defined for w in (first, *rest)):
+            continue
+        meaning = (meanings or {}).get(group, f"What the word list means by {group}.")
+        fields = [f"{first.word}({', '.join(example)})", "CHANGES", meaning]
+        for title, negated in (("also", first.negated), ("opposite", not first.negated)):
+            if related := [w.word for w in rest if w.negated == negated]:
+                fields.append(f"{title}: {', '.join(related)}")
+        lines.append("* " + " | ".join(fields))
+    return "\n".join(lines)
 
 
 def _example(types: Mapping[str, str], signature: Sequence[str]) -> list[str] | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from pix2pred.structs.views import View
 from pix2pred.vlm.offline.model import ReaderModel
@@ -19,10 +19,13 @@ from pix2pred.vlm.offline.prompt_format import (
     KnownWord,
     asked_atoms,
     current_views,
+    definition_answer,
+    history_line,
     label_answer,
     object_types,
     previous_values,
     proposal_answer,
+    states_shown,
     value_line,
 )
 from pix2pred.vlm.request import Answer, Purpose, Request
@@ -43,28 +46,51 @@ class OfflineReader:
         self._lock = threading.Lock()
 
     def answer(self, request: Request) -> Answer:
-        """Propose or label, as the prompt asks."""
+        """Propose, define or label, as the prompt asks."""
         text = request.text
         if request.purpose == Purpose.PROPOSE:
             return Answer(proposal_answer(text, self._words))
+        if request.purpose == Purpose.DEFINE:
+            return Answer(definition_answer(text, self._words))
+        if request.purpose == Purpose.HISTORY:
+            return Answer("\n".join(self._histories(request)))
         scenes = [self._scene(view) for view in current_views(request.views)]
         types, previous = object_types(text), previous_values(text)
         lines = [self._label(atom, types, scenes, previous) for atom in asked_atoms(text)]
         return Answer(label_answer(text, lines))
 
+    def _histories(self, request: Request) -> Iterator[str]:
+        """A line per atom: its value in every state shown, an object without a box keeping its value."""
+        text = request.text
+        states = {
+            number: [self._scene(view) for view in shown] for number, shown in states_shown(request.views).items()
+        }
+        types, before = object_types(text), previous_values(text)
+        for atom in asked_atoms(text):
+            said = {"True": True, "False": False}.get(before.get(str(atom), "Unknown"))
+            values = {number: (said := self._value(atom, types, scenes, said)[0]) for number, scenes in states.items()}
+            yield history_line(atom, values)
+
     def _label(
         self, atom: AskedAtom, types: Mapping[str, str], scenes: Sequence[Scene], previous: Mapping[str, str]
     ) -> str:
+        before = {"True": True, "False": False}.get(previous.get(str(atom), "Unknown"))
+        value, why = self._value(atom, types, scenes, before)
+        return value_line(atom, value, why)
+
+    def _value(
+        self, atom: AskedAtom, types: Mapping[str, str], scenes: Sequence[Scene], before: bool | None
+    ) -> tuple[bool | None, str]:
+        """The value of ``atom`` in a state and what it rests on; ``before`` is its value in the state before."""
         hidden = [n for n in atom.names if all(scene.box(n) is None for scene in scenes)]
         if hidden:
-            value = {"True": True, "False": False}.get(previous.get(str(atom), "Unknown"))
-            return value_line(atom, value, f"{hidden[0]} has no box in this picture; value as before.")
+            return before, f"{hidden[0]} has no box in this picture; value as before."
         signature = [types.get(n, "") for n in atom.names]
         read: tuple[bool | None, float] = (None, 0.5)
         for scene in scenes:
             if all(scene.box(n) is not None for n in atom.names):
                 read = max(read, self._model.value(atom.word, atom.names, signature, scene), key=_sureness)
-        return value_line(atom, read[0], f"Probability of True {read[1]:.2f}.")
+        return read[0], f"Probability of True {read[1]:.2f}."
 
     def _scene(self, view: View) -> Scene:
         """The picture of a view, remembered while queries about the same state come in."""

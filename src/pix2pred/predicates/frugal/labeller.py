@@ -1,0 +1,212 @@
+"""Labels of many states in one question, at a fraction of the price of asking state by state."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from pix2pred.images import skill_crop
+from pix2pred.predicates.frugal.definitions import meanings_of, skill_lines
+from pix2pred.predicates.frugal.histories import History, HistoryFormat
+from pix2pred.predicates.frugal.proposing import NOTHING
+from pix2pred.predicates.labelling.asking import Asked, Asker, Occurrence
+from pix2pred.predicates.labelling.parse_labels import value_lines
+from pix2pred.predicates.labelling.settings import LabelSettings
+from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel
+from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
+from pix2pred.structs import Action, Atom, Demo, FromVLM, Label, Object, State
+from pix2pred.structs.views import View
+from pix2pred.vlm import VLM, Purpose, Together
+from pix2pred.vlm.request import Part
+
+CROP_SHARE = 0.5
+"""A crop around a skill that shows more of its picture than this is left out: it shows hardly anything anew."""
+
+CROP_SCALE = 2
+"""A crop's longer side is this many times shorter than a picture's: it is enlarged all the same, at half the price."""
+
+NEGATED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Label.UNKNOWN}
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Successive states that one question shows; ``start`` numbers the first, ``actions`` lie between them."""
+
+    states: tuple[State, ...]
+    actions: tuple[Action, ...] = ()
+    start: int = 0
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers of the states."""
+        return tuple(range(self.start, self.start + len(self.states)))
+
+
+@dataclass(frozen=True, slots=True)
+class FrugalLabeller:
+    """Labels states with one model; ``together`` bounds how many questions are under way at once."""
+
+    vlm: VLM
+    settings: LabelSettings
+    together: Together = field(default_factory=Together)
+
+    def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
+        labels: list[StateLabels] = []
+        for stretch in self._stretches(demo):
+            about = f"{demo.name}, states {stretch.numbers[0]} to {stretch.numbers[-1]}"
+            known = labels[-1].values if labels else {}
+            # a stretch begins with the last state of the one before, whose labels are there already
+            labels += self._labels(stretch, demo.objects, atoms, known, about)[1 if labels else 0 :]
+        return tuple(labels)
+
+    def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
+        return self._by_several_words(Stretch((state,)), objects, atoms, {}, about)
+
+    def next(
+        self,
+        step: StepToLabel,
+        objects: Sequence[Object],
+        atoms: Sequence[Atom],
+        *,
+        double_check: bool,
+        about: str = "",
+    ) -> StateLabels:
+        stretch = Stretch((step.before, step.after), (step.action,), step.t - 1)
+        return self._by_several_words(stretch, objects, atoms, step.previous.values, about)
+
+    def _stretches(self, demo: Demo) -> Iterator[Stretch]:
+        size = self.settings.states_per_query
+        for start in range(0, max(1, len(demo.states) - 1), size - 1):
+            end = min(start + size, len(demo.states))
+            yield Stretch(tuple(demo.states[start:end]), tuple(demo.actions[start : end - 1]), start)
+
+    def _by_several_words(
+        self,
+        stretch: Stretch,
+        objects: Sequence[Object],
+        atoms: Sequence[Atom],
+        known: Mapping[Atom, Label],
+        about: str,
+    ) -> StateLabels:
+        """Labels of the last state of ``stretch``, each the majority over the words for its meaning.
+
+        A plan rests on one look, and a model that reads one word wrongly rarely reads its synonyms and antonyms
+        wrongly in the same picture.
+        """
+        words = {atom: _words(atom, self.settings.words_per_meaning) for atom in atoms}
+        asked = [form for forms in words.values() for form, _ in forms]
+        said = self._labels(stretch, objects, asked, known, about)[-1]
+        values = {atom: _majority([_turned(said.values[f], n) for f, n in forms]) for atom, forms in words.items()}
+        texts = {atom_text(atom) for atom in atoms}
+        gaps = [replace(gap, atoms=tuple(t for t in gap.atoms if t in texts)) for gap in said.gaps]
+        sure = {atom: said.confidence[atom] for atom in atoms if atom in said.confidence}
+        return replace(said, values=values, confidence=sure, gaps=tuple(g for g in gaps if g.atoms))
+
+    def _labels(
+        self,
+        stretch: Stretch,
+        objects: Sequence[Object],
+        atoms: Sequence[Atom],
+        known: Mapping[Atom, Label],
+        about: str,
+    ) -> list[StateLabels]:
+        """Labels of every state of ``stretch``; ``known`` are those of its first state, where it has been labelled."""
+        pictures = self._pictures(stretch, objects)
+
+        def question(part: Sequence[Atom]) -> tuple[Part, ...]:
+            return (self._text(stretch, objects, part, known, pictures), *pictures)
+
+        form = HistoryFormat(stretch.numbers)
+        asker = Asker(self.vlm, self.settings, form, self.together, Purpose.HISTORY, question, about)
+        asked = Asked[History]()
+        for one in self.together.map(asker.ask, self._batches(atoms)):
+            asked.merge(one)
+        carried = known if self.settings.missing == "carry_previous" else {}
+        without = {a: (carried.get(a, Label.FALSE),) * len(stretch.states) for a in atoms}
+        histories = without | asked.values
+        counts = asked.counts + Counter({Occurrence.MISSING: len(atoms) - len(asked.values)})
+        labels = [
+            StateLabels({a: h[i] for a, h in histories.items()}, "", Counter(), "", dict(asked.confidence))
+            for i in range(len(stretch.states))
+        ]
+        text, useless = "\n\n".join(asked.texts), "" if asked.values else asked.useless
+        # one answer speaks of all states; it is counted, and kept, with the last, which is new in every stretch
+        labels[-1] = replace(labels[-1], text=text, counts=counts, unusable=useless, gaps=asker.gaps(asked))
+        return labels
+
+    def _batches(self, atoms: Sequence[Atom]) -> list[list[Atom]]:
+        ordered = sorted(atoms, key=atom_text)
+        size = self.settings.max_atoms_per_query or max(1, len(ordered))
+        return [ordered[i : i + size] for i in range(0, len(ordered), size)]
+
+    def _text(
+        self,
+        stretch: Stretch,
+        objects: Sequence[Object],
+        atoms: Sequence[Atom],
+        known: Mapping[Atom, Label],
+        pictures: Sequence[View],
+    ) -> str:
+        """The question. What is the same for all demonstrations stands first, so that providers' prompt caches hit."""
+        crops = sum(view.crop is not None for view in pictures)
+        before = value_lines({atom_text(a): known[a] for a in sorted(atoms, key=atom_text) if a in known})
+        actions = [f"{t}. {action_text(a)}" for t, a in enumerate(stretch.actions, start=stretch.start)]
+        number = f"number {stretch.start} leads from state {stretch.start} to state {stretch.start + 1}, and so on"
+        return fill(
+            "frugal_label",
+            meanings=meanings_of(atoms),
+            skills=skill_lines(a.skill for a in stretch.actions) or NOTHING,
+            hints="".join(f"{hint}\n" for hint in self.settings.hints),
+            objects=object_lines(objects),
+            actions=f"({number})\n" + "\n".join(actions) if actions else NOTHING,
+            crops=f"{crops} of the pictures show only the part of the scene a skill was about.\n" if crops else "",
+            previous=f"Values in state {stretch.start}, as answered earlier:\n<previous>\n{before}\n</previous>\n"
+            if before
+            else "",
+            atoms="\n".join(dict.fromkeys(map(atom_text, atoms))),
+        )
+
+    def _pictures(self, stretch: Stretch, objects: Sequence[Object]) -> list[View]:
+        settings, shown = self.settings, list[View]()
+        for i, (t, state) in enumerate(zip(stretch.numbers, stretch.states, strict=True)):
+            whole = views(state, t, objects, marks=settings.marks, longest_side=settings.longest_side)
+            shown += whole
+            if i and settings.crops:
+                shown += self._crops(stretch.states[i - 1], state, stretch.actions[i - 1], whole)
+        return shown
+
+    def _crops(self, before: State, after: State, action: Action, whole: Sequence[View]) -> Iterator[View]:
+        names, smaller = [o.name for o in action.objects], self.settings.longest_side // CROP_SCALE
+        for camera, view in enumerate(whole):
+            width, height = view.picture.image.size
+            box = skill_crop(before, after, names, camera, (width, height))
+            if box and box.width * box.height <= CROP_SHARE * width * height:
+                heading = f"{view.heading}, around the skill"
+                yield replace(view, crop=box, heading=heading, longest_side=smaller)
+
+
+def _words(atom: Atom, count: int) -> list[tuple[Atom, bool]]:
+    """``atom`` and the same in at most ``count`` - 1 other words; True for words of the contrary."""
+    source = atom.predicate.source
+    forms = [(atom, False)]
+    if isinstance(source, FromVLM):
+        others = [(w, False) for w in source.also] + [(w, True) for w in source.opposite]
+        for word, negated in others[: count - 1]:
+            said = replace(source, phrase=word, also=(), opposite=())
+            name = f"{atom.predicate.name}~{word}"
+            meaning = f"{'The contrary of' if negated else 'The same as'} {source.phrase}."
+            forms.append(
+                (Atom(replace(atom.predicate, name=name, source=said, description=meaning), atom.objects), negated)
+            )
+    return forms
+
+
+def _turned(label: Label, negated: bool) -> Label:
+    return NEGATED[label] if negated else label
+
+
+def _majority(labels: Sequence[Label]) -> Label:
+    """What most of the labels say that are not unknown; the first decides a tie, and stands if all are unknown."""
+    votes = Counter(label for label in labels if label != Label.UNKNOWN)
+    return votes.most_common(1)[0][0] if votes else labels[0]

@@ -1,0 +1,140 @@
+"""Words with definitions: one question per kind of demonstration, each told what is defined already."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
+
+from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, read_definition, skill_lines
+from pix2pred.predicates.prompt import action_text, fill, object_lines, views
+from pix2pred.predicates.proposing.parse_atoms import clean, mentions
+from pix2pred.predicates.proposing.propose import (
+    ANSWER_TOKENS,
+    Proposal,
+    ProposalSettings,
+    ProposedAtom,
+    Rejection,
+    answered_proposal,
+    judged,
+    limit_text,
+    refuse_empty,
+    review,
+)
+from pix2pred.structs import Candidate, Demo, FromVLM, Predicate, Type
+from pix2pred.system.progress import Progress, Stage, silent
+from pix2pred.vlm import VLM, Purpose, Request
+
+NOTHING = "(nothing)"
+"""Stands in a prompt where a list is empty."""
+
+
+def propose_words(
+    demos: Sequence[Demo], vlm: VLM, settings: ProposalSettings, *, progress: Progress = silent
+) -> tuple[Proposal, ...]:
+    """One proposal for every kind of demonstration, in order. Raises ``EmptyProposalError`` if all are empty.
+
+    A demonstration is asked about when it has a skill with types of arguments, or a type of object, that none before
+    it had. Every question tells the words of the answers before, so that one meaning has one word.
+    """
+    chosen = tuple(new_kinds(demos))
+    proposals: list[Proposal] = []
+    for demo in chosen:
+        known = [c.predicate for c in lift_words(proposals)]
+        proposals.append(
+            answered_proposal(
+                demo.name,
+                vlm,
+                lambda attempt, budget, demo=demo, known=known: words_request(demo, known, settings, attempt, budget),  # type: ignore[misc]
+                lambda answer, demo=demo: read_words(demo, answer, settings),  # type: ignore[misc]
+                settings.attempts,
+            )
+        )
+        progress(Stage.PROPOSE, len(proposals), len(chosen), demo.name)
+    return refuse_empty(vlm, proposals)
+
+
+def new_kinds(demos: Sequence[Demo]) -> Iterator[Demo]:
+    """The demonstrations that show a skill on types of objects, or a type of object, for the first time."""
+    seen: set[tuple[str, ...]] = set()
+    for demo in demos:
+        kinds = {(a.skill.name, *(o.type.name for o in a.objects)) for a in demo.actions}
+        kinds |= {(o.type.name,) for o in demo.objects}
+        if kinds - seen:
+            yield demo
+        seen |= kinds
+
+
+def words_request(
+    demo: Demo, known: Sequence[Predicate], settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS
+) -> Request:
+    """The question about one demonstration. What is the same in every question stands first: prompt caches hit."""
+    given = {a.predicate for state in demo.states for a in state.given} | {a.predicate for a in demo.goal}
+    text = fill(
+        "frugal_propose",
+        limit=limit_text(settings),
+        skills=skill_lines(a.skill for a in demo.actions),
+        given=meaning_lines(given) or NOTHING,
+        defined=meaning_lines(known) or NOTHING,
+        objects=object_lines(demo.objects),
+        actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
+    )
+    size, marks = settings.longest_side, settings.marks
+    shown = (views(s, t, demo.objects, marks=marks, longest_side=size) for t, s in enumerate(demo.states))
+    return Request(
+        Purpose.DEFINE,
+        (text, *chain.from_iterable(shown)),
+        budget,
+        attempt=attempt,
+        about=demo.name,
+        review=lambda answer: review(read_words(demo, answer, settings)),
+    )
+
+
+def read_words(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
+    """The atoms that begin the lines of ``answer``, with their definitions; of two of one atom the first counts."""
+    accepted: dict[ProposedAtom, None] = {}
+    rejected: dict[Rejection, None] = {}
+    for line in clean(answer).splitlines():
+        mention = next(mentions(line), None)
+        if mention is None or any(character.isalnum() for character in line[: mention.start]):
+            continue
+        found = judged(demo, mention, settings, accepted)
+        if isinstance(found, Rejection):
+            rejected[found] = None
+        else:
+            accepted.setdefault(replace(found, definition=read_definition(line[mention.end :])))
+    return Proposal(demo.name, tuple(accepted), tuple(rejected))
+
+
+def lift_words(proposals: Iterable[Proposal], taken: Iterable[str] = ()) -> tuple[Candidate, ...]:
+    """The pool: one predicate per word and types of arguments, with the first definition that was given of it.
+
+    A word that an earlier line names as a word for the same or the contrary is not a predicate of its own. Names are
+    numbered as in the published protocol. ``taken`` are names already in use.
+    """
+    definitions: dict[tuple[str, tuple[Type, ...]], Definition] = {}
+    by_word: dict[str, Definition] = {}
+    covered: set[tuple[str, tuple[Type, ...]]] = set()
+    for atom in (atom for proposal in proposals for atom in proposal.accepted):
+        types = tuple(o.type for o in atom.objects)
+        if (atom.name, types) in covered or (atom.name, types) in definitions:
+            continue
+        definition = atom.definition or Definition()
+        if not definition.meaning:
+            definition = by_word.get(atom.name, definition)
+        by_word.setdefault(atom.name, definition)
+        definitions[atom.name, types] = definition
+        covered |= {(word, types) for word in (*definition.also, *definition.opposite)}
+    used = set(taken)
+    pool, numbers = [], dict[str, int]()
+    for word, types in sorted(definitions, key=lambda key: (key[0], [t.name for t in key[1]])):
+        number = numbers[word] = numbers.get(word, -1) + 1
+        name = f"{word}{number}"
+        while name in used:
+            name = f"{word}_{number}" if name == f"{word}{number}" else name + "_"
+        used.add(name)
+        one = definitions[word, types]
+        source = FromVLM(word, one.also, one.opposite, one.changes)
+        pool.append(Candidate(Predicate(name, types, source, one.meaning), float(len(types))))
+    return tuple(sorted(pool))

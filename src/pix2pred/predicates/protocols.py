@@ -1,0 +1,43 @@
+"""The two ways of asking a model, as objects: what proposes words, makes a pool of them, and labels states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pix2pred.predicates.frugal.labeller import FrugalLabeller
+from pix2pred.predicates.frugal.proposing import lift_words, propose_words
+from pix2pred.predicates.labelling.labeller import Labeller
+from pix2pred.predicates.labelling.settings import LabelProtocol, LabelSettings
+from pix2pred.predicates.labelling.state_labels import StateLabeller
+from pix2pred.predicates.proposing.propose import Proposal, ProposalSettings, lift, propose
+from pix2pred.structs import Candidate, Demo, Predicate
+from pix2pred.system.progress import Progress, silent
+from pix2pred.vlm import VLM, Together
+
+
+def labeller_for(vlm: VLM, settings: LabelSettings, together: Together | None = None) -> StateLabeller:
+    """What labels states by the protocol that ``settings`` name, asking as much at once as ``together`` allows."""
+    made = FrugalLabeller if settings.protocol is LabelProtocol.FRUGAL else Labeller
+    return made(vlm, settings, together or Together())
+
+
+def proposed_pool(
+    demos: Sequence[Demo],
+    initial: Sequence[Predicate],
+    vlm: VLM,
+    proposal: ProposalSettings,
+    labels: LabelSettings,
+    together: Together,
+    progress: Progress = silent,
+) -> tuple[tuple[Candidate, ...], tuple[Proposal, ...]]:
+    """The candidates that a model proposes, and its proposals; names of ``initial`` predicates are not used again.
+
+    The few predicates that a baseline asks for (variant ``specific``) are asked for as published in either protocol.
+    Raises ``EmptyProposalError`` when nothing usable is proposed.
+    """
+    taken = [p.name for p in initial]
+    if labels.protocol is LabelProtocol.FRUGAL and proposal.variant == "diverse":
+        words = propose_words(demos, vlm, proposal, progress=progress)
+        return lift_words(words, taken), words
+    proposals = propose(demos, vlm, proposal, together=together, progress=progress)
+    return lift(proposals, taken), proposals

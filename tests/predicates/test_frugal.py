@@ -1,0 +1,155 @@
+"""The frugal protocol: words with definitions, histories in one answer, and several words at test time."""
+
+from __future__ import annotations
+
+import pytest
+
+from pix2pred.predicates import LabelProtocol, LabelSettings, ProposalSettings, ground_atoms, label_demos, labeller_for
+from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, read_definition
+from pix2pred.predicates.frugal.histories import HistoryFormat
+from pix2pred.predicates.frugal.proposing import lift_words, new_kinds, propose_words, read_words
+from pix2pred.predicates.labelling.asking import Occurrence
+from pix2pred.structs import Action, Demo, FromVLM, Label, Predicate, Skill
+from pix2pred.vlm import Purpose, Request
+from predicates.scripted import COOKED, HOLDING, OBJECTS, P1, PATTY, PICK, R, ScriptedVLM, demo, state
+
+T, F, U = Label.TRUE, Label.FALSE, Label.UNKNOWN
+FRUGAL = LabelSettings(protocol=LabelProtocol.FRUGAL)
+WORDS = "\n".join(
+    [
+        "Here are the predicates:",
+        "* cooked(patty1) | CHANGES | The patty is brown, also while it is held. | also: grilled, browned"
+        " | opposite: raw",
+        "* grilled(patty1) | CHANGES | A second word.",
+        "* meaty(patty2) | STAYS | It is made of meat.",
+        "* flies(bird) | CHANGES | It flies.",
+        "In short, cooked(patty2) and meaty(patty1) matter.",
+    ]
+)
+
+
+def test_a_proposal_gives_words_meanings_and_what_never_changes() -> None:
+    proposal = read_words(demo(), WORDS, ProposalSettings())
+    assert [a.name for a in proposal.accepted] == ["cooked", "grilled", "meaty"]
+    assert proposal.accepted[0].definition == Definition(
+        "The patty is brown, also while it is held.", True, ("grilled", "browned"), ("raw",)
+    )
+    assert [r.text for r in proposal.rejected] == ["flies(bird)"]
+    assert [(c.predicate.name, c.predicate.source, c.predicate.description) for c in lift_words([proposal])] == [
+        (
+            "cooked0",
+            FromVLM("cooked", ("grilled", "browned"), ("raw",)),
+            "The patty is brown, also while it is held.",
+        ),
+        ("meaty0", FromVLM("meaty", changes=False), "It is made of meat."),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", Definition()),
+        (" | Never changes | Round.", Definition("Round.", False)),
+        ("| It is open, or ajar.", Definition("It is open, or ajar.")),
+        ("| opposite: not-open, 3x, shut. | CHANGES | Open.", Definition("Open.", True, (), ("not_open", "shut"))),
+        ("| CHANGES | It changes when a skill opens it.", Definition("It changes when a skill opens it.")),
+    ],
+)
+def test_definitions_are_read_in_any_order_and_with_gaps(text: str, expected: Definition) -> None:
+    assert read_definition(text) == expected
+
+
+def test_a_later_question_tells_the_words_so_far_and_only_new_kinds_are_asked_about() -> None:
+    other = demo(name="other")
+    wipe = Skill("Wipe", (PATTY,), description="Wipes it.")
+    wiped = Demo("wiped", OBJECTS, other.states[:2], (Action(wipe, (P1,)),), ())
+    demos = [demo(name="first"), other, wiped]
+    assert [d.name for d in new_kinds(demos)] == ["first", "wiped"]
+    vlm = ScriptedVLM([WORDS, "* wiped(patty1) | CHANGES | It has been wiped."])
+    proposals = propose_words(demos, vlm, ProposalSettings())
+    first, second = vlm.asked
+    assert "(nothing)\n</defined>" in first.text
+    assert "<defined>\n- cooked(patty): The patty is brown, also while it is held.\n- meaty" in second.text
+    assert "- Wipe(patty): Wipes it." in second.text
+    assert {c.predicate.name for c in lift_words(proposals)} == {"cooked0", "meaty0", "wiped0"}
+
+
+def test_meanings_are_told_once_for_several_types() -> None:
+    near = [
+        Predicate(f"near{i}", (t,), FromVLM("near", changes=False), "Close by.") for i, t in enumerate((PATTY, R.type))
+    ]
+    assert meaning_lines(near) == "- near(patty), (robot): Close by. It never changes."
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("* cooked(p1): False", (F, F, F)),
+        ("cooked(p1): False; 3 True", (F, T, T)),
+        ("- **cooked(p1)**: True; 3 False; 4 Unknown.", (T, F, U)),
+        ("* cooked(p1): False; True from state 4", (F, F, T)),
+        ("* Cooked( p1 ): unknown, 4: true", (U, U, T)),
+        ("* cooked(p1): False; 9 True", None),
+        ("* cooked(p1): maybe; 3 True", None),
+        ("* cooked(p1): False; 3", None),
+        ("As cooked(p1): True says", None),
+    ],
+)
+def test_histories_are_read_and_what_is_odd_gives_no_value(line: str, expected: tuple[Label, ...] | None) -> None:
+    parsed = HistoryFormat((2, 3, 4)).read(line, ["cooked(p1)"])
+    assert parsed.values.get("cooked(p1)") == expected
+    assert parsed.missing == (() if expected else ("cooked(p1)",))
+
+
+def test_one_question_labels_all_states_and_asks_again_for_what_is_missing() -> None:
+    vlm = ScriptedVLM(["* cooked(patty1): False; 2 True", "* cooked(patty2): True"])
+    d = demo(actions=2)
+    labels = labeller_for(vlm, FRUGAL).demo(d, ground_atoms([COOKED], d.objects))
+    assert [[s.values[a] for a in sorted(s.values)] for s in labels] == [[F, T], [F, T], [T, T]]
+    assert [request.purpose for request in vlm.asked] == [Purpose.HISTORY] * 2
+    assert vlm.asked[1].text.rpartition("Predicates:\n")[2].split() == ["cooked(patty2)"]
+    assert [v.heading for v in vlm.asked[0].views if v.crop is None] == [f"state {t}, camera main" for t in range(3)]
+    assert labels[-1].counts[Occurrence.READ] == 2 and not labels[-1].gaps
+
+
+def test_long_demonstrations_are_asked_about_in_stretches_that_share_a_state() -> None:
+    answers = ["* cooked(patty1): False; 1 True", "* cooked(patty1): True; 3 False", "* cooked(patty1): False"]
+    vlm = ScriptedVLM(answers)
+    d = demo(actions=4)
+    settings = FRUGAL.model_copy(update={"states_per_query": 3, "attempts": 1})
+    labels = labeller_for(vlm, settings).demo(d, [COOKED(P1)])
+    assert [s.values[COOKED(P1)] for s in labels] == [F, T, T, F, F]
+    assert "Values in state 2, as answered earlier:\n<previous>\ncooked(patty1): True\n</previous>" in vlm.asked[1].text
+
+
+def test_what_no_answer_gives_keeps_its_value_and_is_named() -> None:
+    vlm = ScriptedVLM(lambda request: "I cannot say.")
+    labels = labeller_for(vlm, FRUGAL).demo(demo(), [COOKED(P1)])
+    assert [s.values[COOKED(P1)] for s in labels] == [F, F, F]
+    assert [gap.atoms for gap in labels[-1].gaps] == [("cooked(patty1)",)]
+    assert len(vlm.asked) == FRUGAL.attempts
+
+
+def test_at_test_time_the_majority_of_the_words_for_a_meaning_decides() -> None:
+    words = Predicate("cooked0", (PATTY,), FromVLM("cooked", ("grilled",), ("raw",)), "Brown.")
+    said = {"cooked": "False", "grilled": "True", "raw": "False"}
+
+    def answer(request: Request) -> str:
+        return "\n".join(f"* {word}(patty1): {value}" for word, value in said.items())
+
+    labeller = labeller_for(ScriptedVLM(answer), FRUGAL)
+    assert labeller.first(state(0), OBJECTS, [words(P1)]).values == {words(P1): T}
+    single = FRUGAL.model_copy(update={"words_per_meaning": 1})
+    assert labeller_for(ScriptedVLM(answer), single).first(state(0), OBJECTS, [words(P1)]).values == {words(P1): F}
+
+
+def test_questions_of_two_demonstrations_begin_alike() -> None:
+    vlm = ScriptedVLM(lambda request: "* cooked(patty1): True\n* cooked(patty2): True")
+    table = label_demos([demo(name="a"), demo(name="b", actions=3)], [HOLDING], [], labeller_for(vlm, FRUGAL))
+    assert not vlm.asked and table.counts == {}
+    for one in (demo(name="a"), demo(name="b", actions=3)):
+        labeller_for(vlm, FRUGAL).demo(one, ground_atoms([COOKED], OBJECTS))
+    a, b = (request.text for request in vlm.asked)
+    common = next(i for i, (x, y) in enumerate(zip(a, b, strict=False)) if x != y)
+    assert common > a.index("Executed skills:")
+    assert PICK.name in a
