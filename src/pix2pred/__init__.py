@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pix2pred.settings import Settings
     from pix2pred.structs import Task
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Model",
