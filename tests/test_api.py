@@ -55,8 +55,11 @@ def test_a_run_folder_gives_a_model_and_its_answers_a_replay(tmp_path: Path) -> 
     assert model.learned is None and len(model.operators) == 1
     again = p2p.learn(tmp_path / "data", vlm=f"replay:{run}")
     assert again.operators == model.operators
-    with pytest.raises(RunFolderError, match="was labelled by"):
-        p2p.load_model(run, vlm="mailbox:inbox")
+    other = p2p.load_model(run, vlm=f"mailbox:{tmp_path / 'inbox'}")
+    assert other.operators == model.operators and other.solver.labeller.vlm.name == "mailbox"
+    config.write_text(re.sub(r"^model: .*$", "model: another", config.read_text(), flags=re.MULTILINE))
+    with pytest.raises(RunFolderError, match="was labelled by another"):
+        p2p.load_model(run)
     with pytest.raises(RunFolderError, match="holds no run"):
         p2p.load_model(tmp_path / "nowhere")
     with pytest.raises(VLMError, match="no answers to replay"):

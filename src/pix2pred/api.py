@@ -120,9 +120,9 @@ def learn(
 
 
 def load_model(run: Path | str, vlm: str | None = None, planner: str = "portfolio") -> Model:
-    """The model of a run folder; ``vlm`` is another way to the model that labelled it, such as ``replay:DIR``.
+    """The model of a run folder; ``vlm`` looks at new scenes in place of the model that labelled the run.
 
-    Raises ``RunFolderError`` for a folder without a finished run, or when ``vlm`` is another model.
+    Raises ``RunFolderError`` for a folder without a finished run.
     """
     solver, _ = load_solver(RunFolder(Path(run)), planner, vlm=vlm)
     return Model(solver)
@@ -138,7 +138,8 @@ def load_solver(
 ) -> tuple[Solver, dict[str, Any]]:
     """A solver with the model, labeller and answer store of a run, and the run's configuration.
 
-    ``vlm`` is another way to reach the same model, such as ``replay:DIR``. Raises ``RunFolderError``.
+    ``vlm`` looks at new scenes in place of the model that labelled the demonstrations: another model, or another way
+    to reach the same one, such as ``replay:DIR``. Raises ``RunFolderError``.
     """
     config = folder.config()
     if not (folder.path / MODEL).exists():
@@ -154,7 +155,7 @@ def load_solver(
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:
         raise RunFolderError(f"{folder.path / CONFIG}: is damaged ({type(error).__name__}: {error})") from error
-    if stored.name != labelled_by:
+    if vlm is None and stored.name != labelled_by:
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
     labeller = labeller_for(stored, settings.labels, Together(settings.flow.concurrent))
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}

@@ -34,7 +34,7 @@ def plan(
     task: Annotated[Path, Parameter(help="Folder of the task: task.yaml with objects and goal, images/0 with photos.")],
     out_dir: Annotated[Path | None, Parameter(name="--out", help="Folder to write [default: RUN/plans/TASK].")] = None,
     vlm: Annotated[
-        str | None, Parameter(help="Another way to the model that labelled the run, e.g. replay:DIR or mailbox:DIR.")
+        str | None, Parameter(help="What looks at the photos [default: the model that labelled the run].")
     ] = None,
     planner: Annotated[
         str, Parameter(help="portfolio, astar-lmcut, gbfs-ff, or an engine of the extra 'planners'.")

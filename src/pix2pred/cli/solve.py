@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -31,6 +32,9 @@ def solve(
     family: Annotated[str | None, Parameter(help="Family of new tasks [default: the run's].")] = None,
     seed: Annotated[int, Parameter(validator=NOT_NEGATIVE)] = 0,
     count: Annotated[int, Parameter(help="Number of new tasks.", validator=POSITIVE)] = 10,
+    vlm: Annotated[
+        str | None, Parameter(help="What looks at the tasks [default: the model that labelled the demonstrations].")
+    ] = None,
     planner: Annotated[
         str, Parameter(help="portfolio, astar-lmcut, gbfs-ff, or an engine of the extra 'planners'.")
     ] = "portfolio",
@@ -43,13 +47,15 @@ def solve(
 ) -> int:
     """Solve unseen tasks in the simulator with the world model of a run folder.
 
-    Example: pix2pred solve runs/stacks --domain burger --family more-stacks --seed 1 --count 10
+    Examples: pix2pred solve runs/stacks --domain burger --family more-stacks --seed 1 --count 10
+
+    pix2pred solve runs/tea --tasks data/tea --vlm openai:gpt-4o-mini
     """
     if not 0 <= disturb <= 1:
         raise UsageError(f"--disturb {disturb}: a probability lies between 0 and 1")
     RunFolder(run).config()
     with RunFolder(run).locked() as folder:
-        solver, config = load_solver(folder, planner, closed_loop=closed_loop, registry=registry)
+        solver, config = load_solver(folder, planner, closed_loop=closed_loop, vlm=vlm, registry=registry)
         domain = domain or config["simulator"].get("domain")
         family = family or config["simulator"].get("family")
         chosen, name = _tasks(registry, tasks, solver, domain, family, seed, count, plan_only=plan_only)
@@ -57,6 +63,8 @@ def solve(
             return _plan(folder, name, chosen, solver, as_json=json)
         if domain is None:
             raise UsageError(f"{run}: no simulator is known for these tasks; name one with --domain, or --plan-only")
+        if vlm:
+            name += "-" + re.sub(r"[^A-Za-z0-9]+", "-", solver.labeller.vlm.name).strip("-")
         if closed_loop or disturb:
             name += ("-closed-loop" if closed_loop else "") + (f"-disturb-{disturb:g}" if disturb else "")
         summary = run_solving(registry, folder, name, chosen, solver, domain, disturb, video)

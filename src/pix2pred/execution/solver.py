@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, open_loop
@@ -76,7 +76,15 @@ class Solver:
 
     def abstraction(self, task: Task) -> Abstraction:
         """What labels the states of one episode of ``task``."""
-        return Abstraction(task.objects, self.model.predicates, self.labeller)
+        return Abstraction(task.objects, self.model.predicates, self.labeller, about=f"task {task.name}")
+
+    def look_ahead(self, tasks: Sequence[Task]) -> None:
+        """Have the first states of all ``tasks`` labelled side by side, so that they need not wait for one another.
+
+        Only for a model that keeps its answers: they are asked for again, and then found, when a task is solved.
+        """
+        for _ in self.labeller.together.map(lambda task: self.abstraction(task).start(task.initial), tasks):
+            pass
 
     def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
         return Parameters.for_task(self.samplers, self.seed, task, announce)

@@ -22,10 +22,18 @@ from pix2pred.structs import (
 class Abstraction:
     """Labels the states of one episode, each with the history before it, as demonstrations are labelled.
 
-    Only groundings of ``predicates`` over ``objects`` are asked for. There is no double check (method 3.5).
+    Only groundings of ``predicates`` over ``objects`` are asked for. ``about`` names the task to people who read the
+    questions; it is no part of them. There is no double check (method 3.5).
     """
 
-    def __init__(self, objects: Sequence[Object], predicates: Sequence[Predicate], labeller: StateLabeller) -> None:
+    def __init__(
+        self,
+        objects: Sequence[Object],
+        predicates: Sequence[Predicate],
+        labeller: StateLabeller,
+        about: str = "episode",
+    ) -> None:
+        self._about = about
         self._objects = objects
         self._labeller = labeller
         atoms = ground_atoms(predicates, objects)
@@ -39,7 +47,7 @@ class Abstraction:
         """The atoms that hold in the first state."""
         self._states, self._actions = [state], []
         if self._asked:
-            self._labels = self._labeller.first(state, self._objects, self._asked, about="episode, state 0")
+            self._labels = self._labeller.first(state, self._objects, self._asked, about=f"{self._about}, state 0")
             if not self._labels.counts[Occurrence.READ]:
                 raise UnusableAnswersError.after(self._labeller.vlm.name, [self._labels])
         return self._held()
@@ -51,7 +59,7 @@ class Abstraction:
         self._actions.append(action)
         if self._asked:
             step = StepToLabel(before, state, len(self._actions), action, self._labels)
-            about = f"episode, state {step.t}"
+            about = f"{self._about}, state {step.t}"
             self._labels = self._labeller.next(step, self._objects, self._asked, double_check=False, about=about)
         return self._held()
 

@@ -66,9 +66,11 @@ def save_selected(
 
 
 def _proposal_doc(proposal: Proposal) -> dict[str, Any]:
+    meanings = {a.name: a.definition.meaning for a in proposal.accepted if a.definition and a.definition.meaning}
     return {
         "demo": proposal.demo,
         "accepted": [f"{a.name}({', '.join(o.name for o in a.objects)})" for a in proposal.accepted],
         "rejected": [{"text": r.text, "reason": r.reason} for r in proposal.rejected],
+        **({"meanings": meanings} if meanings else {}),
         **({"problem": proposal.problem} if proposal.problem else {}),
     }

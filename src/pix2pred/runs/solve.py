@@ -46,7 +46,13 @@ def solve_into(
     progress: Progress,
     film: Film | None = None,
 ) -> Solved:
-    """Try every task once and write a file per episode, as soon as it ends; ``film`` records them all."""
+    """Try every task once and write a file per episode, as soon as it ends; ``film`` records them all.
+
+    The first states of all tasks are labelled side by side, before the first task begins; the solver's model has to
+    keep its answers.
+    """
+    progress(Stage.SOLVE, 0, len(tasks), "first states")
+    solver.look_ahead([stored.task for stored in tasks])
     episodes = []
     for i, stored in enumerate(tasks):
         progress(Stage.SOLVE, i, len(tasks), stored.task.name)

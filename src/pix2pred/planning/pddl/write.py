@@ -105,7 +105,8 @@ def _type_line(t: Type, names: PddlNames) -> str:
 
 def _predicate_line(p: Predicate, names: PddlNames) -> str:
     arguments = " ".join(f"?a{i} - {_type_form(t, names)}" for i, t in enumerate(p.types))
-    return f"   ({' '.join(filter(None, (names.form('predicate', p.name), arguments)))})"
+    line = f"   ({' '.join(filter(None, (names.form('predicate', p.name), arguments)))})"
+    return f"{line}  ; {p.description}" if p.description else line
 
 
 def _atom(predicate: Predicate, args: Sequence[str], names: PddlNames) -> str:
