@@ -21,6 +21,7 @@ from pix2pred.planning.pddl.write import write_domain
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY, Registry, check_family
 from pix2pred.report.plan_page import render_plan
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import CONFIG, MODEL, SAMPLERS
 from pix2pred.settings import Settings, of_kind, of_project, resolve
@@ -149,7 +150,7 @@ def load_solver(
     try:
         settings = Settings.model_validate(config["settings"])
         answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
-        spec = vlm or config["vlm"]
+        spec = vlm or addresses.reached(config["vlm"], folder.path)
         stored = registry.stored(spec, config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:

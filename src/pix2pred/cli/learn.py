@@ -8,20 +8,13 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    UsageError,
-    bars,
-    err,
-    print_estimated,
-    print_json,
-    print_learned,
-)
+from pix2pred.cli.console import UsageError, bars, err, print_estimated, print_json, print_learned
+from pix2pred.cli.ranges import DOLLARS, NOT_NEGATIVE, WORKERS, between, output_folder
 from pix2pred.demos import Project, project_digest, read_project
 from pix2pred.pipeline import LearningProblem, ask
 from pix2pred.registry import NO_LIMITS, Registry, Spending
 from pix2pred.report import REPORT, write_report
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import CONFIG
 from pix2pred.runs.learn import learn_into, relearn
@@ -42,10 +35,12 @@ class Asking:
 
 # longer than other functions: every option with its help
 def learn(
-    data: Path | None = None,
+    data: Annotated[Path | None, Parameter(help="Project folder with demonstrations.")] = None,
     /,
     *,
-    out: Annotated[Path | None, Parameter(help="Run folder; the same command resumes an interrupted run.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Run folder; the same command resumes an interrupted run.", validator=output_folder)
+    ] = None,
     resume: Annotated[
         Path | None, Parameter(help="Learn again in this finished run, with its corrections; asks no model.")
     ] = None,
@@ -59,24 +54,34 @@ def learn(
             "replay: never ask [default: resume]."
         ),
     ] = None,
-    votes: Annotated[int | None, Parameter(help="Samples per labelling query; the majority decides.")] = None,
-    concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=POSITIVE)] = None,
+    votes: Annotated[
+        int | None, Parameter(help="Samples per labelling query; the majority decides.", validator=between(1, 99))
+    ] = None,
+    concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=WORKERS)] = None,
     longest_side: Annotated[
-        int | None, Parameter(help="Pixels of the longer side of the pictures a model is shown [default: 512].")
+        int | None,
+        Parameter(
+            help="Pixels of the longer side of the pictures a model is shown [default: 512].",
+            validator=between(64, 4096),
+        ),
     ] = None,
     max_requests: Annotated[int | None, Parameter(help="Most requests to send.", validator=NOT_NEGATIVE)] = None,
-    max_cost: Annotated[float | None, Parameter(help="Stop before spending more US dollars than this.")] = None,
+    max_cost: Annotated[
+        float | None, Parameter(help="Stop before spending more US dollars than this.", validator=DOLLARS)
+    ] = None,
     dry_run: Annotated[bool, Parameter(help="Print what would be asked and what it may cost; ask nothing.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
     registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Learn a world model from the demonstrations in a project folder.
 
-    Examples: pix2pred learn data/stacks --vlm offline --out runs/stacks
-    pix2pred learn --resume runs/stacks
-    pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run
-    pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea
-    pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea
+    For example:
+
+    - `pix2pred learn data/stacks --vlm offline --out runs/stacks`
+    - `pix2pred learn --resume runs/stacks`
+    - `pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run`
+    - `pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea`
+    - `pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea`
     """
     if resume is not None:
         given = {
@@ -127,16 +132,14 @@ def run_learning(
         run.claim(
             {
                 "data": project_digest(project),
-                "vlm": asking.vlm,
+                "vlm": addresses.kept(asking.vlm, out),
                 "model": model.name,
                 "simulator": dict(project.simulator or {}),
                 "settings": settings.model_dump(mode="json", exclude={"flow"}),  # how to ask changes no result
                 "answers": str(asking.answers.resolve()) if asking.answers else None,
             }
         )
-        if asking.vlm.startswith("mailbox:"):
-            folder = asking.vlm.partition(":")[2]
-            err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
+        say_where_questions_wait(asking.vlm)
         with bars() as progress:
             problem = LearningProblem(project.vocabulary, project.demos, model, settings, progress)
             learned = learn_into(run, problem)
@@ -145,6 +148,13 @@ def run_learning(
         print_learned(learned.metrics, learned.selected.model.operators)
         err.print(learned.usage, markup=False)
     return learned.metrics
+
+
+def say_where_questions_wait(vlm: str) -> None:
+    """Say where a mailbox is, if the model is one."""
+    kind, folder = vlm.partition(":")[0], addresses.folder_of(vlm)
+    if kind == "mailbox" and folder is not None:
+        err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
 
 
 def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:

@@ -8,13 +8,16 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import err, out, plain, print_json
+from pix2pred.cli.console import out, plain, print_json
 from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_missing
+from pix2pred.cli.learn import say_where_questions_wait
+from pix2pred.cli.ranges import output_folder
 from pix2pred.demos import read_task
 from pix2pred.execution import PlannedScene, plan_scene
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.registry import Registry
 from pix2pred.report.plan_page import render_plan
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, plan_document
 from pix2pred.structs import PlanStatus
@@ -28,11 +31,13 @@ _NO_PLAN = {
 
 
 def plan(
-    run: Path,
+    run: Annotated[Path, Parameter(help="Run folder, as made by learn.")],
     /,
     *,
     task: Annotated[Path, Parameter(help="Folder of the task: task.yaml with objects and goal, images/0 with photos.")],
-    out_dir: Annotated[Path | None, Parameter(name="--out", help="Folder to write [default: RUN/plans/TASK].")] = None,
+    out_dir: Annotated[
+        Path | None, Parameter(name="--out", help="Folder to write [default: RUN/plans/TASK].", validator=output_folder)
+    ] = None,
     vlm: Annotated[
         str | None, Parameter(help="Another way to the model that labelled the run, e.g. replay:DIR or mailbox:DIR.")
     ] = None,
@@ -52,16 +57,15 @@ def plan(
 
     Exit codes: 0 there is a plan (interactive: the goal holds), 1 there is none, 2 bad input.
 
-    Examples: pix2pred plan runs/tea --task data/tasks/monday
+    For example:
 
-    pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea
+    - `pix2pred plan runs/tea --task data/tasks/monday`
+    - `pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea`
     """
     RunFolder(run).config()
     solver, config = load_solver(RunFolder(run), planner, vlm=vlm, registry=registry)
     stored = read_task(task, solver.model.vocabulary)
-    spec = vlm or config["vlm"]
-    if spec.startswith("mailbox:"):
-        err.print(f"Questions wait for answers in {spec.partition(':')[2]}. Ctrl-C stops.", markup=False)
+    say_where_questions_wait(vlm or addresses.reached(config["vlm"], run))
     with PlanFolder.locked(out_dir or run / "plans" / stored.task.name) as folder:
         session = folder.session(stored.task, solver.model, solver.labeller.vlm.name, retake=retake)
         scene = plan_scene(solver, stored.task)

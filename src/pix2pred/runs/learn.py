@@ -40,7 +40,7 @@ def learn_into(run: RunFolder, problem: LearningProblem) -> LearnedRun:
     """
     corrections = load_corrections(run.path / CORRECTIONS)
     vlm = CountingVLM(problem.vlm)
-    clock = StageClock(problem.progress, vlm)
+    clock = StageClock(problem.progress, vlm, _fewest_questions(problem))
     problem = replace(problem, vlm=vlm, progress=clock)
     try:
         asked = ask(problem)
@@ -54,7 +54,7 @@ def learn_into(run: RunFolder, problem: LearningProblem) -> LearnedRun:
     doubts = advice(selected, settings, clock)
     save_selected(run, selected, samplers, doubts, settings, corrections.count)
     metrics = asked_metrics(problem, asked) | ({"samplers": {}} if samplers else {})
-    metrics = selected_metrics(metrics, selected, samplers, corrections.count)
+    metrics = selected_metrics(metrics, selected, samplers, corrections.count, settings)
     run.write_json(METRICS, metrics)
     asking = {
         "queries": vlm.usage.as_dict(),
@@ -63,6 +63,13 @@ def learn_into(run: RunFolder, problem: LearningProblem) -> LearnedRun:
     }
     run.write_json(TIMINGS, clock.timings() | asking)
     return LearnedRun(selected, metrics | {"seconds": clock.seconds()}, vlm.usage.line())
+
+
+def _fewest_questions(problem: LearningProblem) -> int:
+    """Questions about labels if every answer can be used and every list of atoms fits into one."""
+    labels = problem.settings.labels
+    states = sum(len(demo.states) for demo in problem.demos)
+    return (states + (states - len(problem.demos) if labels.double_check else 0)) * labels.votes
 
 
 def relearn(run: RunFolder, progress: Progress = silent) -> LearnedRun:
@@ -90,7 +97,7 @@ def relearn(run: RunFolder, progress: Progress = silent) -> LearnedRun:
     selected = select(model.vocabulary, said, settings, model.labels_from, corrections, clock)
     kept = _kept_samplers(model, samplers, selected.model)
     save_selected(run, selected, kept, advice(selected, settings, clock), settings, corrections.count)
-    metrics = selected_metrics(metrics, selected, kept, corrections.count)
+    metrics = selected_metrics(metrics, selected, kept, corrections.count, settings)
     run.write_json(METRICS, metrics)
     return LearnedRun(selected, metrics | {"seconds": clock.seconds()})
 
