@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from pix2pred.structs import LabelledDemo, LiftedAtom, Operator, WorldModel
+from pix2pred.structs import GroundOperator, LabelledDemo, LiftedAtom, Operator, WorldModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +43,13 @@ def concerns(model: WorldModel, demos: Sequence[LabelledDemo], climbed: Climbed)
     return (*_of_selection(model, climbed, useful=not found), *found)
 
 
-def useless(operator: Operator) -> bool:
-    """Whether plans with this operator mean nothing: it may be used at any time, or changes nothing."""
-    return not operator.preconditions or not (operator.add or operator.delete)
+def doubts_about(plan: Iterable[GroundOperator]) -> tuple[str, ...]:
+    """Why not to rely on a plan, a sentence per step: steps whose operators would be useless in any plan."""
+    return tuple(
+        f"step {number}, {step.operator.skill.name}: its operator needs nothing, so nobody knows whether it works here"
+        for number, step in enumerate(plan, start=1)
+        if not step.operator.preconditions
+    )
 
 
 def _of_selection(model: WorldModel, climbed: Climbed, *, useful: bool) -> Iterable[Concern]:
