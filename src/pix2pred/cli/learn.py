@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +17,7 @@ from pix2pred.report import REPORT, write_report
 from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import CONFIG
-from pix2pred.runs.learn import learn_into, relearn
+from pix2pred.runs.learn import learn_into, relearn, run_config
 from pix2pred.settings import Layer, Settings, as_begun, of_file, of_kind, of_options, of_project, resolve
 from pix2pred.vlm import AnswerStore, StoreMode
 from pix2pred.vlm.model_spec import FORMS
@@ -129,20 +129,12 @@ def run_learning(
     store.check()
     model = registry.stored(asking.vlm, domain, store, asking.mode, settings.flow, asking.limits)
     with RunFolder(out).locked() as run:
-        run.claim(
-            {
-                "data": project_digest(project),
-                "vlm": addresses.kept(asking.vlm, out),
-                "model": model.name,
-                "simulator": dict(project.simulator or {}),
-                "settings": settings.model_dump(mode="json", exclude={"flow"}),  # how to ask changes no result
-                "answers": str(asking.answers.resolve()) if asking.answers else None,
-            }
-        )
+        problem = LearningProblem(project.vocabulary, project.demos, model, settings)
+        digest = project_digest(project)
+        run.claim(run_config(problem, digest, asking.vlm, out, project.simulator, asking.answers))
         say_where_questions_wait(asking.vlm)
         with bars() as progress:
-            problem = LearningProblem(project.vocabulary, project.demos, model, settings, progress)
-            learned = learn_into(run, problem)
+            learned = learn_into(run, replace(problem, progress=progress))
         write_report(run)
     if not quiet:
         print_learned(learned.metrics, learned.selected.model.operators)
