@@ -39,7 +39,7 @@ class Climbed:
 
 def concerns(model: WorldModel, demos: Sequence[LabelledDemo], climbed: Climbed) -> tuple[Concern, ...]:
     """What is wrong with ``model``, learned from ``demos``; the worst first. Empty when nothing stands out."""
-    found = (*_of_goals(model, demos), *_of_operators(model))
+    found = (*_of_goals(model, demos), *_of_operators(model, demos))
     return (*_of_selection(model, climbed, useful=not found), *found)
 
 
@@ -83,13 +83,14 @@ def _of_goals(model: WorldModel, demos: Sequence[LabelledDemo]) -> Iterable[Conc
             )
 
 
-def _of_operators(model: WorldModel) -> Iterable[Concern]:
+def _of_operators(model: WorldModel, demos: Sequence[LabelledDemo]) -> Iterable[Concern]:
     learned = {op.skill.name for op in model.operators}
+    executed = {action.skill.name for demo in demos for action in demo.actions}
     for skill in model.vocabulary.skills:
-        if skill.name not in learned:
+        if skill.name in executed - learned:
             yield Concern(
                 f"No operator was learned for the skill {skill.name}, so no plan uses it.",
-                "It needs demonstrations in which it is executed, and in which something that is labelled changes.",
+                "Nothing that is labelled changes with it often enough; more demonstrations of it help.",
             )
     for op in model.operators:
         if not (op.add or op.delete):
@@ -113,18 +114,33 @@ def sentences(operators: Iterable[Operator]) -> tuple[str, ...]:
 
 
 def _sentence(op: Operator) -> str:
+    said = spoken(op)
+    needs = ", ".join(said.needs) or "nothing"
+    held, gone = ", ".join(said.adds), ", ".join(said.deletes)
+    after = "; ".join(part for part in (held and f"then {held}", gone and f"no longer {gone}") if part)
+    return f"{said.skill} needs {needs}; {after or 'changes nothing'}."
+
+
+@dataclass(frozen=True, slots=True)
+class Spoken:
+    """An operator with its objects called by their types; atoms are sorted."""
+
+    skill: str
+    needs: tuple[str, ...]
+    adds: tuple[str, ...]
+    deletes: tuple[str, ...]
+
+
+def spoken(op: Operator) -> Spoken:
+    """``op`` in words; objects of one type are numbered where it has several."""
     types = [v.type.name for v in op.parameters]
     called = {
         v: t if types.count(t) == 1 else f"{t} {types[: i + 1].count(t)}"
         for i, (v, t) in enumerate(zip(op.parameters, types, strict=True))
     }
 
-    def said(atom: LiftedAtom) -> str:
-        return f"{atom.predicate.name}({', '.join(called[v] for v in atom.variables)})"
+    def said(atoms: Iterable[LiftedAtom]) -> tuple[str, ...]:
+        return tuple(f"{a.predicate.name}({', '.join(called[v] for v in a.variables)})" for a in sorted(atoms))
 
-    needs = ", ".join(map(said, sorted(op.preconditions))) or "nothing"
-    held, gone = (", ".join(map(said, sorted(atoms))) for atoms in (op.add, op.delete))
-    after = "; ".join(part for part in (held and f"then {held}", gone and f"no longer {gone}") if part)
-    return (
-        f"{op.skill.name}({', '.join(called[v] for v in op.skill_args)}) needs {needs}; {after or 'changes nothing'}."
-    )
+    skill = f"{op.skill.name}({', '.join(called[v] for v in op.skill_args)})"
+    return Spoken(skill, said(op.preconditions), said(op.add), said(op.delete))
