@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
-from pix2pred.cli.console import err, out, plain
+from pix2pred.cli.console import err, out, plain, say
 from pix2pred.demos import ENDINGS, FolderError, Photographed, Problem, read_photo
 from pix2pred.execution import Guided, Look, Missing, PlannedScene
 from pix2pred.execution.explaining.wording import in_words
@@ -91,7 +91,7 @@ class WatchedFolder:
         """Nobody can be asked: the YAML file beside a photo may tell."""
 
     def done_unseen(self) -> bool:
-        out.print("     taken for not executed; a photo with a YAML file beside it that lists 'given' says otherwise")
+        say("     taken for not executed; a YAML file beside the photo that lists 'given' says otherwise")
         return False
 
 
@@ -169,7 +169,7 @@ def _nothing_happened(guided: Guided, seen: Photographed) -> bool:
 
 def _done_unseen(guided: Guided, photos: Photos) -> bool:
     assert guided.step is not None, "there is a step"
-    out.print("     this photo shows what the one before it showed: nothing seems to have happened")
+    say("     this photo shows what the one before it showed: nothing seems to have happened")
     declared = [str(c) for c in effects(guided.step) if isinstance(c.atom.predicate.source, FromSkills)]
     if declared:
         out.print(plain(f"     would be taken for granted: {' '.join(declared)}"), markup=False, soft_wrap=True)

@@ -20,18 +20,18 @@ from pix2pred import __version__
 from pix2pred.learning import Support, SupportKind
 from pix2pred.learning.operators.sharing import sharing
 from pix2pred.predicates import Corrections
-from pix2pred.report.attention import suspicions, unsure
-from pix2pred.report.changes import changes
 from pix2pred.report.contents import Contents
-from pix2pred.report.curve import j_text, selection_curve
-from pix2pred.report.graph import HEIGHT, WIDTH, operator_graph
 from pix2pred.report.pictures import Album
-from pix2pred.report.plans import episodes
-from pix2pred.report.pool import pool_entries, rejected_lines
-from pix2pred.report.questions import questions
-from pix2pred.report.shots import shots
-from pix2pred.report.tables import tables
-from pix2pred.report.wording import meaning
+from pix2pred.report.sections.attention import suspicions, unsure
+from pix2pred.report.sections.changes import changes
+from pix2pred.report.sections.curve import j_text, selection_curve
+from pix2pred.report.sections.graph import HEIGHT, WIDTH, operator_graph
+from pix2pred.report.sections.plans import episodes
+from pix2pred.report.sections.pool import pool_entries, rejected_lines
+from pix2pred.report.sections.questions import questions
+from pix2pred.report.sections.shots import shots
+from pix2pred.report.sections.tables import tables
+from pix2pred.report.sections.wording import meaning
 from pix2pred.runs.verdict import spoken
 
 SCRIPTS = ("page.js", "review.js")

@@ -6,8 +6,8 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 
 from pix2pred.report.contents import Contents
-from pix2pred.report.curve import j_text
-from pix2pred.report.wording import meaning
+from pix2pred.report.sections.curve import j_text
+from pix2pred.report.sections.wording import meaning
 from pix2pred.structs import (
     FromVLM,
     Label,
