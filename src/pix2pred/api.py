@@ -5,9 +5,11 @@ Thin over the library, as the command line is; whoever needs more calls ``pipeli
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from pydantic import ValidationError
@@ -20,9 +22,15 @@ from pix2pred.pipeline import learn as learn_world
 from pix2pred.planning.pddl.write import write_domain
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY, Registry, check_family
+from pix2pred.report import REPORT, load_contents, render, write_report
+from pix2pred.report.cards import model_cards
 from pix2pred.report.plan_page import render_plan
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import CONFIG, MODEL, SAMPLERS
+from pix2pred.runs.learn import save_learned
+from pix2pred.runs.metrics import climbed
+from pix2pred.runs.verdict import concerns
 from pix2pred.settings import Settings, of_kind, of_project, resolve
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
 from pix2pred.structs.formats import world_model as files
@@ -30,15 +38,63 @@ from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import VLM, AnswerStore, Together
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Model:
     """A learned world model together with the vision-language model that labels new scenes for it.
 
-    ``learned`` holds proposals, labels and the course of selection; it is None for a model read from a run folder.
+    ``learned`` holds proposals, labels and the course of selection; it is None for a model read from a run folder,
+    which ``run`` then names. ``problem`` is what it was learned from, and ``spec`` the name by which its model was
+    asked for, if it had one.
     """
 
     solver: Solver
     learned: Learned | None = None
+    problem: LearningProblem | None = None
+    spec: str = ""
+    run: Path | None = None
+
+    def __repr__(self) -> str:
+        selected = ", ".join(p.name for p in self.selected) or "none"
+        return f"<Model of {self.world.vocabulary.name}: selected {selected}; {len(self.operators)} operators>"
+
+    def _repr_html_(self) -> str:
+        return model_cards(self.world, self.verdict)
+
+    @property
+    def verdict(self) -> tuple[str, ...]:
+        """What is wrong with the model, in sentences; empty when nothing stands out."""
+        if self.learned is None:
+            assert self.run is not None, "what was not learned here was read from a run"
+            return tuple(map(str, load_contents(RunFolder(self.run)).verdict))
+        assert self.problem is not None, "what was learned here had a problem"
+        table, settings = self.learned.selected.table, self.problem.settings.learning
+        how = climbed(self.learned.selection, table, settings)
+        return tuple(map(str, concerns(self.world, table.demos, how)))
+
+    def save(self, folder: Path | str) -> Path:
+        """Write everything into a run folder, which ``load_model`` and every command read; gives its path.
+
+        A model that labels under no name of ``--vlm`` is kept under its own; ``load_model`` then has to be told how to
+        reach it. Raises ``RunFolderError`` for a folder that holds something else.
+        """
+        path = Path(folder)
+        if self.learned is None or self.problem is None:
+            assert self.run is not None, "what was not learned here was read from a run"
+            if path.exists():
+                raise RunFolderError(f"{path}: is there already; a copy of {self.run} needs a place of its own")
+            shutil.copytree(self.run, path)
+            return path
+        with RunFolder(path).locked() as run:
+            save_learned(run, self.problem, self.learned, self.spec)
+            write_report(run)
+        return path
+
+    def report(self) -> str:
+        """The report as one HTML page, with pictures."""
+        if self.run is not None:
+            return render(load_contents(RunFolder(self.run)))
+        with TemporaryDirectory() as folder:
+            return (self.save(Path(folder) / "run") / REPORT).read_text(encoding="utf-8")
 
     @property
     def world(self) -> WorldModel:
@@ -114,9 +170,11 @@ def learn(
     project = data if isinstance(data, Project) else read_data(data)
     chosen = settings or resolve(of_kind(project.simulator), of_project(project.learning))
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
-    learned = learn_world(LearningProblem(project.vocabulary, project.demos, model, chosen, progress))
+    problem = LearningProblem(project.vocabulary, project.demos, model, chosen, progress)
+    learned = learn_world(problem)
     labeller = labeller_for(model, chosen.labels, Together(chosen.flow.concurrent))
-    return Model(Solver(learned.model, REGISTRY.planner(planner), labeller, samplers=learned.samplers), learned)
+    solver = Solver(learned.model, REGISTRY.planner(planner), labeller, samplers=learned.samplers)
+    return Model(solver, learned, problem, vlm if isinstance(vlm, str) else "")
 
 
 def load_model(run: Path | str, vlm: str | None = None, planner: str = "portfolio") -> Model:
@@ -125,7 +183,7 @@ def load_model(run: Path | str, vlm: str | None = None, planner: str = "portfoli
     Raises ``RunFolderError`` for a folder without a finished run.
     """
     solver, _ = load_solver(RunFolder(Path(run)), planner, vlm=vlm)
-    return Model(solver)
+    return Model(solver, run=Path(run))
 
 
 def load_solver(
@@ -150,7 +208,7 @@ def load_solver(
     try:
         settings = Settings.model_validate(config["settings"])
         answers = AnswerStore(Path(config["answers"]) if config["answers"] else folder.path)
-        spec = vlm or config["vlm"]
+        spec = vlm or addresses.reached(config["vlm"], folder.path)
         stored = registry.stored(spec, config["simulator"].get("domain"), answers, flow=settings.flow)
         labelled_by = str(config["model"])
     except (KeyError, TypeError, AttributeError, ValidationError) as error:

@@ -168,8 +168,12 @@ def climb(
     table: TruthTable, settings: LearningSettings, progress: Progress = silent, pinned: Sequence[Predicate] = ()
 ) -> Selection:
     """Hill climbing on J (method 6.3)."""
-    progress(Stage.SELECT, 0, len(table.candidates()), "")
-    return hill_climbing(table, settings, pinned=pinned).run(progress)
+    count = len(table.candidates())
+    progress(Stage.SELECT, 0, count, "")
+    selection = hill_climbing(table, settings, pinned=pinned).run(progress)
+    if selection.evaluations <= 1:
+        progress(Stage.SELECT, count, count, "none was tried")
+    return selection
 
 
 def select(

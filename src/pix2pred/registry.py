@@ -133,7 +133,7 @@ class Registry:
         if name in ENGINES:
             return ExternalPlanner(name, distinct, time_limit)
         if name not in self.planner_names():
-            raise UnknownNameError("planner", name, (*self.planner_names(), *ENGINES))
+            raise UnknownNameError("planner", name, (*self.planner_names(), *ENGINES), listed=True)
         if name in PORTFOLIOS:
             return Planner(PORTFOLIOS[name](), distinct=distinct)
         if name in (others := _named("searches", {})):
@@ -236,7 +236,7 @@ load_vlm, load_stored, planner_names = REGISTRY.vlm, REGISTRY.stored, REGISTRY.p
 def check_family(domain: Domain, family: str) -> None:
     """Raise ``UnknownNameError`` unless ``domain`` has the family."""
     if family not in domain.families:
-        raise UnknownNameError("family", family, domain.families)
+        raise UnknownNameError("family", family, domain.families, listed=True)
 
 
 def _named(group: str, ours: dict[str, str]) -> dict[str, str]:
@@ -246,7 +246,7 @@ def _named(group: str, ours: dict[str, str]) -> dict[str, str]:
 
 def _find(kind: str, name: str, table: dict[str, str]) -> Any:
     if name not in table:
-        raise UnknownNameError(kind, name, table)
+        raise UnknownNameError(kind, name, table, listed=True)
     return _load(table[name])
 
 

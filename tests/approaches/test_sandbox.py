@@ -106,7 +106,7 @@ def test_any_text_is_refused_or_fails_without_harm(text: str) -> None:
         ask(text)
 
 
-def test_a_program_that_dies_is_an_error_and_not_a_value(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_program_that_dies_is_an_error_and_not_a_value(tmp_path: Path) -> None:
     for script, message in (
         ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "SIGKILL"),
         ("import os; os.write(1, b'V01')", "no usable answer"),
@@ -117,9 +117,9 @@ def test_a_program_that_dies_is_an_error_and_not_a_value(monkeypatch: pytest.Mon
     ):
         fake = tmp_path / "child.py"
         fake.write_text(script)
-        monkeypatch.setattr("pix2pred.approaches.sandbox.process.CHILD", fake)
+        limits = SandboxLimits(wall_seconds=3 if "sleep" in script else 120)
         with pytest.raises(CodeError, match=message):
-            ask("f = 1", SandboxLimits(wall_seconds=3 if "sleep" in script else 60))
+            run_classifier("f = 1", "f", ["item"], SCENES, QUERIES, limits, fake)
 
 
 def test_the_process_starts_with_an_empty_environment_and_no_packages(tmp_path: Path) -> None:
@@ -138,3 +138,35 @@ def test_the_process_starts_with_an_empty_environment_and_no_packages(tmp_path: 
 def test_sets_are_ordered_alike_in_every_process() -> None:
     source = classifier("return [x for x in {'a', 'b', 'c', 'd', 'e'}][0] == 'a'")
     assert len({ask(source) for _ in range(3)}) == 1
+
+
+ADDRESSES = {
+    "text of a function": "return len(str(f)) % 2 == 0",
+    "text of an object": "return str(state)[-2] > '5'",
+    "text of a list that holds one": "return str([state])[-3] > '5'",
+    "text of a method": "return str(state.get)[-3] > '5'",
+    "text of a type": "return str(str)[-3] > '5'",
+    "formatted": "return ('%s' % f)[-2] > '5'",
+    "formatted by a name": "text = '%s'\nreturn (text % (f,))[-2] > '5'",
+    "formatted in place": "text = '%s'\ntext %= f\nreturn text[-2] > '5'",
+}
+
+
+@pytest.mark.parametrize("body", ADDRESSES.values(), ids=ADDRESSES)
+def test_no_value_can_come_from_an_address_in_memory(body: str) -> None:
+    with pytest.raises(CodeError, match=r"is not allowed|cannot be formatted"):
+        ask(classifier(body))
+
+
+def test_sets_of_things_that_are_hashed_by_their_address_keep_their_order() -> None:
+    many = ", ".join(["lambda: 0"] * 30)
+    body = f"numbered = [{many}]\nshuffled = list(set(numbered[::-1]))\nreturn shuffled == numbered[::-1]"
+    assert ask(classifier(body)) == (True,) * 4
+
+
+def test_sets_text_and_remainders_work_as_ever() -> None:
+    body = (
+        "both = {1, 2} | set([3])\nboth.add(4)\ncount = 7\ncount %= 4\n"
+        "return len({x % 2 for x in both}) == 2 and 3 in both and {1} <= both and str(1.5) == '1.5' and count == 3"
+    )
+    assert ask(classifier(body)) == (True,) * 4

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 from pathlib import Path
 
@@ -121,10 +120,13 @@ def test_a_task_with_a_broken_label_source_is_called_by_its_cause(cli: Cli, run_
     assert ran.json["failures"] == {"no plan": 1}
 
 
-@pytest.mark.parametrize("verb", ["demo", "generate", "check", "learn", "solve"])
-def test_help_shows_an_example(cli: Cli, verb: str) -> None:
-    ran = cli(verb, "--help")
-    assert ran.code == 0 and re.search(f"Examples?: pix2pred {verb}", " ".join(ran.out.split()))
+@pytest.mark.parametrize("verb", ["demo", "generate", "check", "learn", "solve", "plan", "select", "runs list"])
+def test_help_shows_examples_each_on_a_line_of_its_own(cli: Cli, verb: str) -> None:
+    ran = cli(*verb.split(), "--help")
+    assert ran.code == 0 and "For example:" in ran.out
+    assert all(line.count(f"pix2pred {verb} ") <= 1 for line in ran.out.splitlines())
+    assert any(line.strip().startswith(f"• pix2pred {verb} ") for line in ran.out.splitlines())
+    assert "--no-json" not in ran.out
 
 
 @pytest.mark.parametrize(

@@ -21,9 +21,9 @@ from pix2pred.vlm import StoredVLM
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--disturb", "2"], "--disturb 2"),
-        (["--disturb", "nan"], "--disturb nan"),
-        (["--disturb", "-0.1"], "--disturb -0.1"),
+        (["--disturb", "2"], "--disturb"),
+        (["--disturb", "nan"], "--disturb"),
+        (["--disturb", "-0.1"], "--disturb"),
         (["--planner", "gbfs"], "did you mean 'gbfs-ff'"),
         (["--family", "biger"], "did you mean 'bigger'"),
         (["--domain", "burgre"], "did you mean 'burger'"),

@@ -15,7 +15,7 @@ import pytest
 from lamps_run import BOMB, learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.report import REPORT, load_contents, render, write_report
-from pix2pred.report.attention import unsure
+from pix2pred.report.sections.attention import unsure
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.learn import relearn
 

@@ -165,6 +165,11 @@ def test_damaged_files_are_said(server: ReviewServer) -> None:
     assert ask(server, f"/{server.token}/corrections", b"[]", Content_Length="\u00b2")[0] == 415
 
 
+@pytest.mark.parametrize(("length", "status"), [("9" * 5000, 400), ("9" * 19, 400), ("9" * 12, 413), ("-1", 415)])
+def test_absurd_lengths_are_refused(server: ReviewServer, length: str, status: int) -> None:
+    assert ask(server, f"/{server.token}/corrections", b"[]", Content_Length=length)[0] == status
+
+
 def test_learning_that_fails_in_any_way_says_so(tmp_path: Path) -> None:
     def broken(*_: Any) -> LearnedRun:
         raise KeyError("lost")

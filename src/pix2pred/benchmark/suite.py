@@ -133,7 +133,7 @@ def load_suite(name: str) -> Suite:
     elif name in suite_names():
         text = (_SUITES / f"{name}.yaml").read_text(encoding="utf-8")
     else:
-        raise UnknownNameError("suite", name, suite_names())
+        raise UnknownNameError("suite", name, suite_names(), listed=True)
     try:
         return Suite.model_validate(yaml.safe_load(text))
     except yaml.YAMLError as error:

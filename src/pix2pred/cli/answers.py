@@ -9,7 +9,7 @@ from cyclopts import App, Parameter
 from rich.markup import escape
 from rich.table import Table
 
-from pix2pred.cli.console import err, out, plain, print_json
+from pix2pred.cli.console import counted, err, out, plain, print_json
 from pix2pred.registry import RegistryError
 from pix2pred.vlm import AnswerStore
 from pix2pred.vlm.answers.inspection import export as export_answers
@@ -36,7 +36,9 @@ def list_answers(
 ) -> int:
     """List stored answers.
 
-    Example: pix2pred answers list runs/stacks --purpose label
+    For example:
+
+    - `pix2pred answers list runs/stacks --purpose label`
     """
     store = _store(directory)
     entries = [read_stored(store, key) for key in store.all_keys()]
@@ -75,7 +77,9 @@ def list_answers(
 def show(directory: Path, key: str, /) -> int:
     """Show a question and its answer; KEY may be the beginning of one.
 
-    Example: pix2pred answers show runs/stacks 1f3a9c
+    For example:
+
+    - `pix2pred answers show runs/stacks 1f3a9c`
     """
     store = _store(directory)
     entry = find(store, key)
@@ -99,7 +103,9 @@ def export(
 ) -> int:
     """Write answers and pictures into a zip file; unpacked over another store it adds to it.
 
-    Example: pix2pred answers export runs/stacks --out answers.zip
+    For example:
+
+    - `pix2pred answers export runs/stacks --out answers.zip`
     """
     store = _store(directory)
     count = export_answers(store, out_file, model)
@@ -111,7 +117,9 @@ def export(
 def verify(directory: Path, /, *, json: Annotated[bool, Parameter(help="Print one JSON object.")] = False) -> int:
     """Check that every answer is whole, has the key of its question, and has its pictures.
 
-    Example: pix2pred answers verify runs/stacks
+    For example:
+
+    - `pix2pred answers verify runs/stacks`
     """
     store = _store(directory)
     found = list(problems(store))
@@ -120,5 +128,5 @@ def verify(directory: Path, /, *, json: Annotated[bool, Parameter(help="Print on
     else:
         for problem in found:
             out.print(plain(problem), markup=False, soft_wrap=True)
-        out.print(f"{len(store.all_keys())} answers, " + (f"{len(found)} problem(s)" if found else "no problems"))
+        out.print(f"{len(store.all_keys())} answers, " + (counted(len(found), "problem") if found else "no problems"))
     return 2 if found else 0

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Parameter
 
 from pix2pred import __version__
 from pix2pred.system.errors import Pix2predError, StoppedError
@@ -41,6 +41,7 @@ _VERBS = (
 _GROUPS = {
     "answers:answers": "Look into an answer store (a run folder, or the folder of --answers).",
     "imports:imports": "Bring photos, videos and robot data into a project as demonstrations.",
+    "runs:runs": "List the runs in a folder, and compare two.",
     "bench:bench": "Run benchmark suites, see how far they are, report and compare them.",
 }
 """Verbs that have verbs of their own, and their help."""
@@ -62,8 +63,10 @@ def _command_line() -> App:
         name="pix2pred",
         version=__version__,
         suppress_keyboard_interrupt=False,
+        default_parameter=Parameter(negative=()),
         help="Learn symbolic world models from image demonstrations, and solve new tasks with them.",
     )
+    made.register_install_completion_command(add_to_startup=False)
     for target, words in ({verb: _help(verb) for verb in _VERBS} | _GROUPS).items():
         name = target.rpartition(":")[2]
         made.command(f"pix2pred.cli.{target}", name=_NAMES.get(name, name.replace("_", "-")), help=words)

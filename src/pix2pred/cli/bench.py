@@ -16,7 +16,8 @@ from pix2pred.benchmark.claims import judge, load_claims
 from pix2pred.benchmark.report import write_into, write_report
 from pix2pred.benchmark.runner import expected
 from pix2pred.benchmark.tables import comparison, models_of
-from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
+from pix2pred.cli.console import bars, err, out, print_json
+from pix2pred.cli.ranges import WORKERS, output_folder, quoted
 from pix2pred.registry import Registry
 from pix2pred.system.parallel import Backend, Workers
 from pix2pred.vlm import StoreMode
@@ -29,9 +30,11 @@ def run(
     suite: Annotated[str, Parameter(help="A bundled suite (paper, smoke, ...) or a YAML file.")],
     /,
     *,
-    out: Annotated[Path | None, Parameter(help="Run folder [default: runs/bench-SUITE].")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="Run folder [default: runs/bench-SUITE].", validator=output_folder)
+    ] = None,
     vlm: Annotated[str, Parameter(help="Model that proposes, labels, plans and writes code.")] = "offline",
-    jobs: Annotated[int, Parameter(help="Workers; the rows do not depend on it.", validator=POSITIVE)] = 1,
+    jobs: Annotated[int, Parameter(help="Workers; the rows do not depend on it.", validator=WORKERS)] = 1,
     backend: Annotated[Backend, Parameter(help="What runs the workers.")] = Backend.LOKY,
     answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None,
     mode: Annotated[StoreMode, Parameter(help="live: ask; resume: ask what is not stored; replay: never ask.")] = (
@@ -42,7 +45,9 @@ def run(
 ) -> int:
     """Run a suite; the same command goes on where an interrupted run stopped.
 
-    Example: pix2pred bench run paper --vlm offline --jobs 2
+    For example:
+
+    - `pix2pred bench run paper --vlm offline --jobs 2`
     """
     chosen = load_suite(suite)
     folder = out or Path("runs") / f"bench-{chosen.name}"
@@ -61,13 +66,13 @@ def run(
         print_json({"run": str(folder), "rows": len(done.rows), "outcomes": _outcomes(done)})
     else:
         _print(done)
-        err.print(f"run folder: {folder}; tables and claims: pix2pred bench report {folder}", markup=False)
+        err.print(f"run folder: {folder}; tables and claims: pix2pred bench report {quoted(folder)}", markup=False)
     return 0
 
 
 @bench.command
 def status(
-    folder: Path,
+    folder: Annotated[Path, Parameter(help="Run folder of a benchmark.")],
     /,
     *,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
@@ -75,7 +80,9 @@ def status(
 ) -> int:
     """How far a run is, finished or not.
 
-    Example: pix2pred bench status runs/bench-paper
+    For example:
+
+    - `pix2pred bench status runs/bench-paper`
     """
     run = status_of(folder, registry)
     tried, total = sum(row.task is not None for row in run.rows), expected(run)
@@ -89,14 +96,16 @@ def status(
 
 @bench.command
 def report(
-    *folders: Path,
+    *folders: Annotated[Path, Parameter(help="Run folders of benchmarks.")],
     write: Annotated[Path | None, Parameter(help="Document whose marked part to write, e.g. docs/results.md.")] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
     registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Tables, chart and published claims of one or more runs, in RUN/report and on the screen.
 
-    Example: pix2pred bench report runs/bench-paper --write docs/results.md
+    For example:
+
+    - `pix2pred bench report runs/bench-paper --write docs/results.md`
     """
     if not folders:
         raise SuiteError("name at least one run folder: pix2pred bench report runs/bench-paper")
@@ -118,10 +127,18 @@ def report(
 
 
 @bench.command
-def compare(left: Path, right: Path, /, *, registry: Annotated[Registry, Parameter(parse=False)]) -> int:
+def compare(
+    left: Annotated[Path, Parameter(help="Run folder of a benchmark.")],
+    right: Annotated[Path, Parameter(help="Another one.")],
+    /,
+    *,
+    registry: Annotated[Registry, Parameter(parse=False)],
+) -> int:
     """Two runs side by side, over the tasks that both tried.
 
-    Example: pix2pred bench compare runs/bench-paper runs/bench-paper-hosted
+    For example:
+
+    - `pix2pred bench compare runs/bench-paper runs/bench-paper-hosted`
     """
     runs = [status_of(folder, registry) for folder in (left, right)]
     for name, folder, run in zip("AB", (left, right), runs, strict=True):

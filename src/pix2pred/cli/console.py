@@ -8,18 +8,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from cyclopts import validators
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from pix2pred.runs.verdict import sentences
 from pix2pred.structs import Operator
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.progress import Stage
-
-NOT_NEGATIVE = validators.Number(gte=0)
-POSITIVE = validators.Number(gte=1)
 
 out = Console(highlight=False, emoji=False)
 err = Console(stderr=True, highlight=False, emoji=False)
@@ -90,22 +87,53 @@ def print_json(data: Mapping[str, Any]) -> None:
 
 
 def print_learned(metrics: Mapping[str, Any], operators: Sequence[Operator]) -> None:
-    """What was proposed, selected and learned."""
-    table = Table(title="World model", title_justify="left", show_header=False, box=None)
-    table.add_row("demonstrations", f"{metrics['demonstrations']} ({metrics['transitions']} skills)")
-    table.add_row("labels from", escape(plain(str(metrics["labels_from"]))))
-    table.add_row("atoms proposed", f"{metrics['proposed']} usable, {metrics['rejected']} rejected")
-    table.add_row("candidates", f"{metrics['candidates']} predicates")
-    table.add_row("selected", escape(plain(", ".join(metrics["selected"]) or "none")))
-    table.add_row("J", " > ".join(f"{j:,.0f}" for j in metrics["J"]))
-    table.add_row("operators", str(metrics["operators"]))
+    """What was proposed, selected and learned, and the verdict on it, in sentences to read aloud."""
+    selected = ", ".join(metrics["selected"])
+    js = metrics["J"]
+    say(
+        f"Learned from {counted(metrics['demonstrations'], 'demonstration')} with "
+        f"{counted(metrics['transitions'], 'skill')}, labelled by {metrics['labels_from']}."
+    )
+    say(
+        f"Of {counted(metrics['candidates'], 'candidate predicate')} (from {metrics['proposed']} usable and "
+        f"{metrics['rejected']} rejected atoms) "
+        + (
+            f"{counted(len(metrics['selected']), '', 'was', 'were')} selected: {selected}."
+            if selected
+            else "none was selected."
+        )
+    )
+    if js:
+        say(f"J, the work of planning the demonstrations again, went from {js[0]:,.0f} to {js[-1]:,.0f} search nodes.")
     if metrics["corrections"]:
-        table.add_row("corrections", str(metrics["corrections"]))
-    out.print(table)
+        say(f"With {counted(metrics['corrections'], 'correction')} of yours.")
+    say(f"{counted(len(operators), 'operator')}:")
+    for op, sentence in zip(operators, sentences(operators), strict=True):
+        out.print(plain(f"  {op.name:<4} {sentence}"), markup=False, soft_wrap=True)
     for warning in metrics["warnings"]:
-        out.print(f"  [yellow]warning:[/yellow] {escape(plain(warning))}")
-    for op in operators:
-        out.print(f"  {op.name:<5} {op.skill.name}({', '.join(v.type.name for v in op.skill_args)})", style="dim")
+        out.print(f"[yellow]warning:[/yellow] {escape(plain(warning))}", soft_wrap=True)
+    print_verdict(metrics["verdict"])
+
+
+def print_verdict(verdict: Sequence[str]) -> None:
+    """What is wrong with a world model, a line each, or that nothing stands out."""
+    if not verdict:
+        say("Verdict: nothing stands out against this world model.")
+        return
+    say("Verdict: do not rely on this world model yet.")
+    for concern in verdict:
+        out.print(f"  [yellow]-[/yellow] {escape(plain(concern))}", soft_wrap=True)
+
+
+def say(text: str) -> None:
+    """A line of text on stdout, which the terminal wraps."""
+    out.print(plain(text), markup=False, soft_wrap=True)
+
+
+def counted(number: int, thing: str, one: str = "", many: str = "") -> str:
+    """``1 skill``, ``3 skills``; ``one`` or ``many`` follows as fits."""
+    name = thing + ("" if number == 1 or not thing else "s")
+    return " ".join(part for part in (f"{number:,}", name, one if number == 1 else many) if part)
 
 
 def print_solved(summary: Mapping[str, Any]) -> None:

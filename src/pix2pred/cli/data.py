@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import NOT_NEGATIVE, bars, err, out, print_json
+from pix2pred.cli.console import bars, counted, err, out, print_json
 from pix2pred.cli.learn import estimated, project_settings
+from pix2pred.cli.ranges import NOT_NEGATIVE, output_folder
 from pix2pred.demos import (
     Problem,
     Project,
@@ -29,20 +30,22 @@ EXAMPLE_MODEL = "openai:gpt-4o"
 
 
 def generate(
-    domain: str,
+    domain: Annotated[str, Parameter(help="burger, kitchen, coffee, or a domain of another package.")],
     /,
     *,
     family: Annotated[str | None, Parameter(help="Family of demonstrations [default: the domain's first].")] = None,
     seed: Annotated[int, Parameter(help="Varies counts and positions.", validator=NOT_NEGATIVE)] = 0,
     tasks: Annotated[int, Parameter(help="Number of unseen test tasks to add.", validator=NOT_NEGATIVE)] = 10,
-    out: Annotated[Path, Parameter(name="--out", help="Folder to write.")],
+    out: Annotated[Path, Parameter(name="--out", help="Folder to write.", validator=output_folder)],
     overwrite: Annotated[bool, Parameter(help="Replace a project that is already there.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
     registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Write demonstrations and test tasks of a simulated domain as a project folder.
 
-    Example: pix2pred generate burger --family more-stacks --seed 0 --out data/stacks
+    For example:
+
+    - `pix2pred generate burger --family more-stacks --seed 0 --out data/stacks`
     """
     made = registry.domain(domain)
     family = family or made.families[0]
@@ -70,13 +73,15 @@ def generate(
 
 
 def check(
-    directory: Path,
+    directory: Annotated[Path, Parameter(help="Project folder.")],
     /,
     *,
     vlm: Annotated[
         str | None, Parameter(help=f"Model to reckon the cost with [default: offline or {EXAMPLE_MODEL}]: {FORMS}.")
     ] = None,
-    cost: Annotated[bool, Parameter(help="Reckon what learning would ask and cost; nothing is sent.")] = True,
+    cost: Annotated[
+        bool, Parameter(help="Reckon what learning would ask and cost; nothing is sent.", negative="--no-cost")
+    ] = True,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
     registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
@@ -84,7 +89,9 @@ def check(
 
     Problems name file and line, and have to be put right; warnings do not. Exit code 2 when there are problems.
 
-    Example: pix2pred check data/stacks --vlm openai:gpt-4o
+    For example:
+
+    - `pix2pred check data/stacks --vlm openai:gpt-4o`
     """
     found = inspect_project(directory)
     problems = [*found.problems, *(_settings_problems(directory, found.project) if found.project else ())]
@@ -103,8 +110,8 @@ def check(
         out.print(str(problem), markup=False, soft_wrap=True)
     for warning in found.warnings:
         out.print(warning.told("warning"), markup=False, soft_wrap=True)
-    count = f"{len(problems)} problem(s)" if problems else "no problems found"
-    out.print(f"{count}, {len(found.warnings)} warning(s)" if found.warnings else count)
+    count = counted(len(problems), "problem") if problems else "no problems found"
+    out.print(f"{count}, {counted(len(found.warnings), 'warning')}" if found.warnings else count)
     if estimate:
         out.print(_said(estimate), markup=False, soft_wrap=True)
     elif not_known:
@@ -144,11 +151,16 @@ def _said(estimate: Mapping[str, Any]) -> str:
 
 def schema(
     *,
-    out: Annotated[Path | None, Parameter(name="--out", help="Folder to write them to [default: print them].")] = None,
+    out: Annotated[
+        Path | None,
+        Parameter(name="--out", help="Folder to write them to [default: print them].", validator=output_folder),
+    ] = None,
 ) -> int:
     """JSON Schemas of domain.yaml, demo.yaml, task.yaml and import.yaml, for editors that complete and check YAML.
 
-    Example: pix2pred schema --out my-project/schemas
+    For example:
+
+    - `pix2pred schema --out my-project/schemas`
     """
     if out is None:
         print_json(json_schemas())

@@ -9,9 +9,10 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, UsageError, err, out, print_json, print_solved
+from pix2pred.cli.console import UsageError, err, out, print_json, print_solved
 from pix2pred.cli.data import generate
 from pix2pred.cli.learn import Asking, project_settings, run_learning
+from pix2pred.cli.ranges import NOT_NEGATIVE, POSITIVE, output_folder
 from pix2pred.cli.solve import run_solving
 from pix2pred.demos import read_project, read_tasks
 from pix2pred.recordings import Recording, load_recording
@@ -44,10 +45,12 @@ def demo(
         str | None,
         Parameter(help="more-stacks, bigger or combo [default: more-stacks]; recorded: combo, kitchen or coffee."),
     ] = None,
-    seed: Annotated[int, Parameter(validator=NOT_NEGATIVE)] = 0,
+    seed: Annotated[int, Parameter(help="Varies demonstrations and tasks.", validator=NOT_NEGATIVE)] = 0,
     count: Annotated[int, Parameter(help="Unseen tasks to solve.", validator=POSITIVE)] = 10,
     recorded: Annotated[bool, Parameter(help="Replay a large model's own answers instead of the reader.")] = False,
-    out_dir: Annotated[Path, Parameter(name="--out", help="Folder for data and run.")] = Path("runs/demo"),
+    out_dir: Annotated[Path, Parameter(name="--out", help="Folder for data and run.", validator=output_folder)] = Path(
+        "runs/demo"
+    ),
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
     registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
@@ -56,9 +59,10 @@ def demo(
     By default burger demonstrations are drawn and the offline reader labels them. With --recorded the answers of a
     large vision-language model, which are shipped with the program, are replayed on the pictures it was shown.
 
-    Examples: pix2pred demo --family bigger
+    For example:
 
-    pix2pred demo --recorded
+    - `pix2pred demo --family bigger`
+    - `pix2pred demo --recorded`
     """
     recording: Recording | None = None
     if recorded:

@@ -50,7 +50,9 @@ def doctor(
 ) -> int:
     """Say what is installed, which providers have keys (never the keys), and whether models and rendering work.
 
-    Example: pix2pred doctor --vlm openai:gpt-4o
+    For example:
+
+    - `pix2pred doctor --vlm openai:gpt-4o`
     """
     findings = [*_installed(), *_keys(), _rendering(), *([_model(vlm)] if vlm else [])]
     if json:

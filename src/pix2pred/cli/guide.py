@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
-from pix2pred.cli.console import err, out, plain
+from pix2pred.cli.console import err, out, plain, say
 from pix2pred.demos import ENDINGS, FolderError, Photographed, Problem, read_photo
 from pix2pred.execution import Guided, Look, Missing, PlannedScene
 from pix2pred.execution.explaining.wording import in_words
+from pix2pred.images import nearly_same
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, SessionDoc
+from pix2pred.structs import FromSkills
 from pix2pred.structs.plans import Change, effects, signed
 
 POLL = 0.3
@@ -29,6 +31,10 @@ class Photos(Protocol):
 
     def confirmed(self, changes: tuple[Change, ...]) -> tuple[Change, ...] | None:
         """Of ``changes`` that no photo shows, those that did happen; None when nobody can be asked."""
+        ...
+
+    def done_unseen(self) -> bool:
+        """Whether the skill was executed although the photo shows what the one before showed."""
         ...
 
 
@@ -49,6 +55,10 @@ class TypedPaths:
         out.print(plain(f"     no photo shows: {' '.join(signed(changes))}"), markup=False, soft_wrap=True)
         line = _ask("did this happen (Enter: yes, n: nothing of it)? ")
         return None if line is None else () if line.lower().startswith("n") else changes
+
+    def done_unseen(self) -> bool:
+        line = _ask("was it executed all the same (y: yes, Enter: no, I take another photo)? ")
+        return line is not None and line.lower().startswith("y")
 
 
 class WatchedFolder:
@@ -79,6 +89,10 @@ class WatchedFolder:
 
     def confirmed(self, changes: tuple[Change, ...]) -> None:
         """Nobody can be asked: the YAML file beside a photo may tell."""
+
+    def done_unseen(self) -> bool:
+        say("     taken for not executed; a YAML file beside the photo that lists 'given' says otherwise")
+        return False
 
 
 def _state(path: Path) -> tuple[tuple[int, int], ...]:
@@ -136,12 +150,30 @@ def _photograph(guided: Guided, photos: Photos) -> tuple[Path, Photographed] | N
         except FolderError as error:
             err.print(str(error), markup=False, style="red")
             continue
+        if not seen.told and _nothing_happened(guided, seen) and not _done_unseen(guided, photos):
+            continue
         if not seen.told and guided.expected_listed:
             changes = photos.confirmed(guided.expected_listed)
             if changes is not None:
                 seen = Photographed(guided.told(seen.state, changes), told=True)
         return path, seen
     return None
+
+
+def _nothing_happened(guided: Guided, seen: Photographed) -> bool:
+    """Whether the photos show what those before the step showed."""
+    before = guided.looks[-1].state if guided.looks else guided.scene.task.initial
+    earlier = {p.camera: p.image.pixels() for p in before.pictures}
+    return all(p.camera in earlier and nearly_same(p.image.pixels(), earlier[p.camera]) for p in seen.state.pictures)
+
+
+def _done_unseen(guided: Guided, photos: Photos) -> bool:
+    assert guided.step is not None, "there is a step"
+    say("     this photo shows what the one before it showed: nothing seems to have happened")
+    declared = [str(c) for c in effects(guided.step) if isinstance(c.atom.predicate.source, FromSkills)]
+    if declared:
+        out.print(plain(f"     would be taken for granted: {' '.join(declared)}"), markup=False, soft_wrap=True)
+    return photos.done_unseen()
 
 
 def _say(guided: Guided, look: Look, *, known: bool = False) -> None:

@@ -8,7 +8,8 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from pix2pred.cli.console import POSITIVE, bars, err, out, print_json
+from pix2pred.cli.console import bars, counted, err, out, print_json
+from pix2pred.cli.ranges import POSITIVE, quoted
 from pix2pred.demos import DOMAIN, inspect_project
 from pix2pred.demos.authoring import MAX_SIDE, Declarations, Draft, Order, domain_text, write_drafts
 from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos, read_sidecar
@@ -41,8 +42,10 @@ def frames(
 ) -> int:
     """Bring in folders of photos or frames; without a list of actions these are left to fill in.
 
-    Examples: pix2pred import frames photos --out tea
-    pix2pred import frames photos/tea-1 --actions tea-1.txt --out tea
+    For example:
+
+    - `pix2pred import frames photos --out tea`
+    - `pix2pred import frames photos/tea-1 --actions tea-1.txt --out tea`
     """
     segments = read_sidecar(actions) if actions else ()
     return _bring(drafts_of_frames(source, segments, order=order, max_side=max_side), out, overwrite, as_json=json)
@@ -63,7 +66,9 @@ def video(
 ) -> int:
     """Bring in a video, or a folder of videos, at the times at which actions are done (extra video).
 
-    Example: pix2pred import video tea.mp4 --actions tea.csv --out tea
+    For example:
+
+    - `pix2pred import video tea.mp4 --actions tea.csv --out tea`
     """
     return _bring(drafts_of_videos(source, read_sidecar(actions), max_side=max_side), out, overwrite, as_json=json)
 
@@ -83,7 +88,9 @@ def lerobot(
 ) -> int:
     """Bring in episodes of a LeRobot dataset of format v3 that lies on disk (extra lerobot).
 
-    Example: pix2pred import lerobot datasets/pick-cubes --sidecar steps.yaml --out cubes
+    For example:
+
+    - `pix2pred import lerobot datasets/pick-cubes --sidecar steps.yaml --out cubes`
     """
     return _bring(drafts_of_lerobot(source, read_sidecar(actions), max_side=max_side), out, overwrite, as_json=json)
 
@@ -113,5 +120,7 @@ def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: 
     for note in dict.fromkeys(note for draft in drafts for note in draft.notes):
         out.print(f"  {note}", markup=False, soft_wrap=True)
     if problems:
-        err.print(f"{len(problems)} things to fill in or put right: pix2pred check {project}", markup=False)
+        err.print(
+            f"{counted(len(problems), 'thing')} to fill in or put right: pix2pred check {quoted(project)}", markup=False
+        )
     return 0

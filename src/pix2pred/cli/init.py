@@ -9,7 +9,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import POSITIVE, bars, err, print_json
+from pix2pred.cli.console import bars, err, print_json
+from pix2pred.cli.ranges import POSITIVE, quoted
 from pix2pred.demos import FolderError, Problem
 from pix2pred.demos.authoring import (
     MAX_SIDE,
@@ -81,9 +82,11 @@ def init(
     Each option may be given several times. Without any, a terminal is asked; without a terminal the project is an
     example with drawn pictures. Photos are copied upright and without metadata; their actions are left to fill in.
 
-    Examples: pix2pred init my-project
-    pix2pred init tea --from-photos photos
-    pix2pred init tea --type robot --type cup --object robot:robot --object 'mug:cup = the blue mug'
+    For example:
+
+    - `pix2pred init my-project`
+    - `pix2pred init tea --from-photos photos`
+    - `pix2pred init tea --type robot --type cup --object robot:robot --object 'mug:cup = the blue mug'`
     --skill 'Pick(robot, cup)' --predicate 'Holding(robot, cup) = skills: +Pick(0, 1)'
     """
     refuse_begun(directory, overwrite=overwrite)
@@ -104,7 +107,7 @@ def init(
         return 0
     for draft in drafts:
         err.print(f"{directory / 'demos' / draft.name}: {draft.notes[0]}", markup=False, soft_wrap=True)
-    err.print(f"What to fill in, and where: pix2pred check {directory}", markup=False)
+    err.print(f"What to fill in, and where: pix2pred check {quoted(directory)}", markup=False)
     return 0
 
 

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    UsageError,
-    bars,
-    err,
-    print_estimated,
-    print_json,
-    print_learned,
-)
+from pix2pred.cli.console import UsageError, bars, err, print_estimated, print_json, print_learned
+from pix2pred.cli.ranges import DOLLARS, NOT_NEGATIVE, WORKERS, between, output_folder
 from pix2pred.demos import Project, project_digest, read_project
+from pix2pred.demos.join import join_projects
 from pix2pred.pipeline import LearningProblem, ask
 from pix2pred.registry import NO_LIMITS, Registry, Spending
 from pix2pred.report import REPORT, write_report
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import CONFIG
-from pix2pred.runs.learn import learn_into, relearn
+from pix2pred.runs.learn import learn_into, relearn, run_config
 from pix2pred.settings import Layer, Settings, as_begun, of_file, of_kind, of_options, of_project, resolve
 from pix2pred.vlm import AnswerStore, StoreMode
 from pix2pred.vlm.model_spec import FORMS
@@ -40,71 +34,99 @@ class Asking:
     limits: Spending = NO_LIMITS
 
 
-# longer than other functions: every option with its help
-def learn(
-    data: Path | None = None,
-    /,
-    *,
-    out: Annotated[Path | None, Parameter(help="Run folder; the same command resumes an interrupted run.")] = None,
-    resume: Annotated[
-        Path | None, Parameter(help="Learn again in this finished run, with its corrections; asks no model.")
-    ] = None,
-    vlm: Annotated[str | None, Parameter(help=f"Model that proposes and labels: {FORMS} [default: offline].")] = None,
-    config: Annotated[Path | None, Parameter(help="YAML file with settings that differ from the defaults.")] = None,
-    answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None,
+@dataclass(frozen=True)
+class AskingOptions:
+    """Options of ``learn`` about asking the model; None stands for one not given."""
+
+    vlm: Annotated[str | None, Parameter(help=f"Model that proposes and labels: {FORMS} [default: offline].")] = None
+    answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None
     mode: Annotated[
         StoreMode | None,
         Parameter(
             help="live: ask; resume: ask what is not stored; retry: also what was refused or cut short; "
             "replay: never ask [default: resume]."
         ),
-    ] = None,
-    votes: Annotated[int | None, Parameter(help="Samples per labelling query; the majority decides.")] = None,
-    concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=POSITIVE)] = None,
+    ] = None
+    votes: Annotated[
+        int | None, Parameter(help="Samples per labelling query; the majority decides.", validator=between(1, 99))
+    ] = None
+    concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=WORKERS)] = None
     longest_side: Annotated[
-        int | None, Parameter(help="Pixels of the longer side of the pictures a model is shown [default: 512].")
+        int | None,
+        Parameter(
+            help="Pixels of the longer side of the pictures a model is shown [default: 512].",
+            validator=between(64, 4096),
+        ),
+    ] = None
+    max_requests: Annotated[int | None, Parameter(help="Most requests to send.", validator=NOT_NEGATIVE)] = None
+    max_cost: Annotated[
+        float | None, Parameter(help="Stop before spending more US dollars than this.", validator=DOLLARS)
+    ] = None
+
+    @property
+    def asking(self) -> Asking:
+        """The model, its answer store and what may be spent."""
+        limits = Spending(self.max_requests, self.max_cost)
+        return Asking(self.vlm or "offline", self.answers, self.mode or StoreMode.RESUME, limits)
+
+    @property
+    def settings(self) -> Layer:
+        """Those of the options that are settings of a run."""
+        return of_options(
+            {
+                ("labels", "votes"): self.votes,
+                ("flow", "concurrent"): self.concurrent,
+                ("labels", "longest_side"): self.longest_side,
+                ("proposal", "longest_side"): self.longest_side,
+            }
+        )
+
+
+DEFAULT = AskingOptions()
+
+
+def learn(
+    *data: Annotated[Path, Parameter(help="Project folders with demonstrations; several are learned from together.")],
+    out: Annotated[
+        Path | None, Parameter(help="Run folder; the same command resumes an interrupted run.", validator=output_folder)
     ] = None,
-    max_requests: Annotated[int | None, Parameter(help="Most requests to send.", validator=NOT_NEGATIVE)] = None,
-    max_cost: Annotated[float | None, Parameter(help="Stop before spending more US dollars than this.")] = None,
+    resume: Annotated[
+        Path | None, Parameter(help="Learn again in this finished run, with its corrections; asks no model.")
+    ] = None,
+    config: Annotated[Path | None, Parameter(help="YAML file with settings that differ from the defaults.")] = None,
+    options: Annotated[AskingOptions, Parameter(name="*")] = DEFAULT,
     dry_run: Annotated[bool, Parameter(help="Print what would be asked and what it may cost; ask nothing.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
     registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
-    """Learn a world model from the demonstrations in a project folder.
+    """Learn a world model from the demonstrations in project folders.
 
-    Examples: pix2pred learn data/stacks --vlm offline --out runs/stacks
-    pix2pred learn --resume runs/stacks
-    pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run
-    pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea
-    pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea
+    For example:
+
+    - `pix2pred learn data/stacks --vlm offline --out runs/stacks`
+    - `pix2pred learn --resume runs/stacks`
+    - `pix2pred learn data/tea --vlm openai:gpt-4o --out runs/tea --dry-run`
+    - `pix2pred learn data/monday data/tuesday --vlm openai:gpt-4o --out runs/both`
+    - `pix2pred learn data/tea --vlm openai-compatible:qwen2.5-vl@http://localhost:8000/v1 --out runs/tea`
+    - `pix2pred learn data/tea --vlm mailbox:inbox --out runs/tea`
     """
     if resume is not None:
-        given = {
-            "DATA": data, "--out": out, "--vlm": vlm, "--config": config, "--answers": answers, "--mode": mode,
-            "--votes": votes, "--concurrent": concurrent, "--max-requests": max_requests, "--max-cost": max_cost,
-            "--dry-run": dry_run or None,
-        }  # fmt: skip
+        given = {"DATA": data or None, "--out": out, "--config": config, "--dry-run": dry_run or None}
+        given |= {f"--{f.name.replace('_', '-')}": getattr(options, f.name) for f in fields(options)}
         _learn_again(resume, [name for name, value in given.items() if value is not None], as_json=json)
         return 0
-    if data is None or out is None:
+    if not data or out is None:
         raise UsageError("name the data and a run folder: pix2pred learn DATA --out RUN")
-    if any(out.resolve().is_relative_to((data / part).resolve()) for part in ("demos", "tasks")):
-        raise UsageError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
-    options = of_options(
-        {
-            ("labels", "votes"): votes,
-            ("flow", "concurrent"): concurrent,
-            ("labels", "longest_side"): longest_side,
-            ("proposal", "longest_side"): longest_side,
-        }
-    )
-    project = read_project(data)
-    settings = project_settings(project, *([of_file(config)] if config else []), options)
+    for folder in data:
+        if any(out.resolve().is_relative_to((folder / part).resolve()) for part in ("demos", "tasks")):
+            raise UsageError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
+    project = join_projects(data, [read_project(folder) for folder in data])
+    settings = project_settings(project, *([of_file(config)] if config else []), options.settings)
     if (out / CONFIG).is_file():
         settings = as_begun(settings, RunFolder(out).config().get("settings"))
-    asking = Asking(vlm or "offline", answers, mode or StoreMode.RESUME, Spending(max_requests, max_cost))
+    asking = options.asking
     if dry_run:
-        estimate = estimated(registry, project, settings, asking.vlm, AnswerStore(answers or out))
+        estimate = estimated(registry, project, settings, asking.vlm, AnswerStore(asking.answers or out))
         print_json(estimate) if json else print_estimated(estimate)
         return 0
     metrics = run_learning(registry, project, settings, asking, out, quiet=json)
@@ -124,27 +146,24 @@ def run_learning(
     store.check()
     model = registry.stored(asking.vlm, domain, store, asking.mode, settings.flow, asking.limits)
     with RunFolder(out).locked() as run:
-        run.claim(
-            {
-                "data": project_digest(project),
-                "vlm": asking.vlm,
-                "model": model.name,
-                "simulator": dict(project.simulator or {}),
-                "settings": settings.model_dump(mode="json", exclude={"flow"}),  # how to ask changes no result
-                "answers": str(asking.answers.resolve()) if asking.answers else None,
-            }
-        )
-        if asking.vlm.startswith("mailbox:"):
-            folder = asking.vlm.partition(":")[2]
-            err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
+        problem = LearningProblem(project.vocabulary, project.demos, model, settings)
+        digest = project_digest(project)
+        run.claim(run_config(problem, digest, asking.vlm, out, project.simulator, asking.answers))
+        say_where_questions_wait(asking.vlm)
         with bars() as progress:
-            problem = LearningProblem(project.vocabulary, project.demos, model, settings, progress)
-            learned = learn_into(run, problem)
+            learned = learn_into(run, replace(problem, progress=progress))
         write_report(run)
     if not quiet:
         print_learned(learned.metrics, learned.selected.model.operators)
         err.print(learned.usage, markup=False)
     return learned.metrics
+
+
+def say_where_questions_wait(vlm: str) -> None:
+    """Say where a mailbox is, if the model is one."""
+    kind, folder = vlm.partition(":")[0], addresses.folder_of(vlm)
+    if kind == "mailbox" and folder is not None:
+        err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
 
 
 def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
+from rich.markup import escape
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import err, out, plain, print_json
+from pix2pred.cli.console import UsageError, counted, out, plain, print_json
 from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_missing
+from pix2pred.cli.learn import say_where_questions_wait
+from pix2pred.cli.ranges import output_folder
 from pix2pred.demos import read_task
 from pix2pred.execution import PlannedScene, plan_scene
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.registry import Registry
 from pix2pred.report.plan_page import render_plan
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.photo_task import SceneInWords, photo_task
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, plan_document
-from pix2pred.structs import PlanStatus
+from pix2pred.runs.verdict import doubts_about
+from pix2pred.structs import PlanStatus, Task, WorldModel
 
 _NO_PLAN = {
     PlanStatus.UNSOLVABLE: "no plan: the goal cannot be reached from what was seen",
@@ -28,11 +35,27 @@ _NO_PLAN = {
 
 
 def plan(
-    run: Path,
+    run: Annotated[Path, Parameter(help="Run folder, as made by learn.")],
     /,
     *,
-    task: Annotated[Path, Parameter(help="Folder of the task: task.yaml with objects and goal, images/0 with photos.")],
-    out_dir: Annotated[Path | None, Parameter(name="--out", help="Folder to write [default: RUN/plans/TASK].")] = None,
+    task: Annotated[
+        Path | None, Parameter(help="Folder of the task: task.yaml with objects and goal, images/0 with photos.")
+    ] = None,
+    photo: Annotated[
+        list[Path] | None,
+        Parameter(help="Photo of the scene, instead of --task; one per camera.", consume_multiple=True),
+    ] = None,
+    goal: Annotated[list[str] | None, Parameter(help="With --photo: atoms to reach, such as 'On(cup, table)'.")] = None,
+    thing: Annotated[
+        list[str] | None,
+        Parameter(help="With --photo: object in the scene, NAME or NAME:TYPE for a new one [default: all known ones]."),
+    ] = None,
+    holds: Annotated[
+        list[str] | None, Parameter(help="With --photo: atom that holds and that no photo shows, such as 'Held(cup)'.")
+    ] = None,
+    out_dir: Annotated[
+        Path | None, Parameter(name="--out", help="Folder to write [default: RUN/plans/TASK].", validator=output_folder)
+    ] = None,
     vlm: Annotated[
         str | None, Parameter(help="What looks at the photos [default: the model that labelled the run].")
     ] = None,
@@ -52,19 +75,20 @@ def plan(
 
     Exit codes: 0 there is a plan (interactive: the goal holds), 1 there is none, 2 bad input.
 
-    Examples: pix2pred plan runs/tea --task data/tasks/monday
+    For example:
 
-    pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea
+    - `pix2pred plan runs/tea --photo table.jpg --goal 'In(ice, glass)'`
+    - `pix2pred plan runs/tea --task data/tasks/monday`
+    - `pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea`
     """
     RunFolder(run).config()
     solver, config = load_solver(RunFolder(run), planner, vlm=vlm, registry=registry)
-    stored = read_task(task, solver.model.vocabulary)
-    spec = vlm or config["vlm"]
-    if spec.startswith("mailbox:"):
-        err.print(f"Questions wait for answers in {spec.partition(':')[2]}. Ctrl-C stops.", markup=False)
-    with PlanFolder.locked(out_dir or run / "plans" / stored.task.name) as folder:
-        session = folder.session(stored.task, solver.model, solver.labeller.vlm.name, retake=retake)
-        scene = plan_scene(solver, stored.task)
+    said = SceneInWords(goal or (), thing or (), holds or ())
+    chosen = _task(RunFolder(run), solver.model, task, photo or (), said)
+    say_where_questions_wait(vlm or addresses.reached(config["vlm"], run))
+    with PlanFolder.locked(out_dir or run / "plans" / chosen.name) as folder:
+        session = folder.session(chosen, solver.model, solver.labeller.vlm.name, retake=retake)
+        scene = plan_scene(solver, chosen)
         if not json:
             _print_plan(scene)
         guided = None
@@ -81,14 +105,30 @@ def plan(
     return 0 if (guided.reached if guided and (interactive or photos) else scene.solved) else 1
 
 
+def _task(run: RunFolder, model: WorldModel, folder: Path | None, photos: Sequence[Path], said: SceneInWords) -> Task:
+    """The task in a folder, or the one that a photo and a goal make."""
+    in_words = bool(photos or said.goal or said.objects or said.given)
+    if (folder is None) != in_words:
+        raise UsageError("name the scene: --task FOLDER, or --photo PHOTO --goal ATOM")
+    if folder is not None:
+        return read_task(folder, model.vocabulary).task
+    if not photos:
+        raise UsageError("--goal goes with --photo: give the photo of the scene")
+    return photo_task(run, model, photos, said)
+
+
 def _print_plan(scene: PlannedScene) -> None:
     name = plain(scene.task.name)
     if scene.solved:
         steps = len(scene.result.plan)
-        out.print(f"{name}: a plan of {steps} skills" if steps else f"{name}: the goal holds already", markup=False)
+        out.print(
+            f"{name}: a plan of {counted(steps, 'skill')}" if steps else f"{name}: the goal holds already", markup=False
+        )
         for number, step in enumerate(scene.result.plan, start=1):
             out.print(f"{number:>3}  {plain(in_words(step))}", markup=False, soft_wrap=True)
-        out.print(f"It rests on {len(scene.rests_on)} atoms of the first look.", markup=False)
+        out.print(f"It rests on {counted(len(scene.rests_on), 'atom')} of the first look.", markup=False)
+        for doubt in doubts_about(scene.result.plan):
+            out.print(f"     [yellow]doubt:[/yellow] {escape(plain(doubt))}", soft_wrap=True)
     else:
         out.print(f"{name}: {_NO_PLAN[scene.result.status]}", markup=False)
         print_missing(scene.missing)

@@ -7,9 +7,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import POSITIVE, print_json
 from pix2pred.cli.console import out as console
+from pix2pred.cli.console import print_json
 from pix2pred.cli.pddl_files import parsed, text_of
+from pix2pred.cli.ranges import between, output_file
 from pix2pred.planning import ExternalPlanner, Planner, TaskPlanner
 from pix2pred.planning.external.pddl import Sources, solve_externally
 from pix2pred.planning.external.planner import ENGINES, IN_EXTRA, TIME_LIMIT
@@ -28,26 +29,32 @@ EXTERNAL = (
 
 
 def plan_pddl(
-    domain: Path,
-    problem: Path,
+    domain: Annotated[Path, Parameter(help="PDDL domain.")],
+    problem: Annotated[Path, Parameter(help="PDDL problem.")],
     /,
     *,
     planner: Annotated[
         str, Parameter(help=f"{', '.join(planner_names())}; with the extra 'planners' {EXTERNAL}.")
     ] = "gbfs-ff",
     time_limit: Annotated[
-        float, Parameter(help="Seconds an external planner may take; our own are bounded by nodes.", validator=POSITIVE)
+        float,
+        Parameter(
+            help="Seconds an external planner may take; our own are bounded by nodes.", validator=between(1, 31_536_000)
+        ),
     ] = TIME_LIMIT,
-    out: Annotated[Path | None, Parameter(help="File for the plan, one (action arg ...) a line.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="File for the plan, one (action arg ...) a line.", validator=output_file)
+    ] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
     """Plan for a PDDL problem, check the plan with independent code, and write it.
 
     Exit codes: 0 a plan was found, 1 none was found, 2 bad input.
 
-    Examples: pix2pred plan-pddl domain.pddl problem.pddl --planner astar-lmcut --out plan.txt
+    For example:
 
-    pix2pred plan-pddl domain.pddl problem.pddl --planner fast-downward --time-limit 60
+    - `pix2pred plan-pddl domain.pddl problem.pddl --planner astar-lmcut --out plan.txt`
+    - `pix2pred plan-pddl domain.pddl problem.pddl --planner fast-downward --time-limit 60`
     """
     read: PddlDomain = parsed(domain, read_domain)
     task = parsed(problem, lambda text: read_problem(text, read))

@@ -9,17 +9,18 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import NOT_NEGATIVE, err, out
+from pix2pred.cli.console import err, out
+from pix2pred.cli.ranges import PORT
 from pix2pred.report import write_report
 from pix2pred.review import ReviewServer
 from pix2pred.runs.folder import RunFolder
 
 
 def review(
-    run: Path,
+    run: Annotated[Path, Parameter(help="Run folder, as made by learn.")],
     /,
     *,
-    port: Annotated[int, Parameter(help="Port on this machine [default: a free one].", validator=NOT_NEGATIVE)] = 0,
+    port: Annotated[int, Parameter(help="Port on this machine [default: a free one].", validator=PORT)] = 0,
     open_browser: Annotated[bool, Parameter(name="--open", help="Open the page in a browser.")] = False,
 ) -> int:
     """Show the report of a run and correct it: labels, names, synonyms, banned and pinned predicates.
@@ -27,7 +28,9 @@ def review(
     Corrections are appended to RUN/corrections.jsonl; what the model said is never changed. 'Learn again' in the page
     and 'pix2pred learn --resume RUN' apply them, without asking the model. Ctrl-C ends the server.
 
-    Example: pix2pred review runs/stacks --open
+    For example:
+
+    - `pix2pred review runs/stacks --open`
     """
     folder = RunFolder(run)
     folder.config()

@@ -13,6 +13,7 @@ from cyclopts import Parameter
 from pydantic import ValidationError
 
 from pix2pred.cli.console import bars, err, print_json
+from pix2pred.cli.ranges import WORKERS, between, output_file, output_folder
 from pix2pred.learning import (
     LearningSettings,
     Selection,
@@ -32,22 +33,32 @@ PUBLISHED = LearningSettings()
 
 
 def select(
-    file: Path,
+    file: Annotated[Path, Parameter(help="Traces file: labelled demonstrations, .json or .json.gz.")],
     /,
     *,
-    out: Annotated[Path, Parameter(help="File to write, e.g. selection.json; timings.json goes beside it.")],
-    pddl: Annotated[Path | None, Parameter(help="Folder for domain.pddl and a problem per demonstration.")] = None,
+    out: Annotated[
+        Path, Parameter(help="File to write, e.g. selection.json; timings.json goes beside it.", validator=output_file)
+    ],
+    pddl: Annotated[
+        Path | None, Parameter(help="Folder for domain.pddl and a problem per demonstration.", validator=output_folder)
+    ] = None,
     score: Annotated[str | None, Parameter(help="Score this set (A,B; empty: none) instead of searching.")] = None,
-    tie_seeds: Annotated[int, Parameter(help="With --score: min, median, max of J over this many seeds.")] = 0,
+    tie_seeds: Annotated[
+        int, Parameter(help="With --score: min, median, max of J over this many seeds.", validator=between(0, 10_000))
+    ] = 0,
     chosen: Annotated[LearningSettings, Parameter(name="*", group="Settings, over those in the file")] = PUBLISHED,
-    jobs: Annotated[int, Parameter(help="Workers that share the planning searches; the result is the same.")] = 1,
+    jobs: Annotated[
+        int, Parameter(help="Workers that share the planning searches; the result is the same.", validator=WORKERS)
+    ] = 1,
     backend: Annotated[Backend, Parameter(help="Engine of the workers; dask and ray are extras.")] = Backend.LOKY,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
     """Select predicates and learn operators from labelled demonstrations in a traces file (.json or .json.gz).
 
-    Examples: pix2pred select labels.json.gz --out selection.json --pddl pddl
-    pix2pred select labels.json.gz --out selection.json --operators robust --jobs 8
+    For example:
+
+    - `pix2pred select labels.json.gz --out selection.json --pddl pddl`
+    - `pix2pred select labels.json.gz --out selection.json --operators robust --jobs 8`
     """
     if out.name == "timings.json" or (out.parent / "config.yaml").exists():
         raise TracesError(f"--out {out}: timings.json beside it would overwrite other results; choose another place")

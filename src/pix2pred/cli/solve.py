@@ -11,7 +11,8 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import NOT_NEGATIVE, POSITIVE, UsageError, bars, out, print_json, print_solved
+from pix2pred.cli.console import UsageError, bars, out, print_json, print_solved
+from pix2pred.cli.ranges import NOT_NEGATIVE, POSITIVE, SHARE, output_file
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.execution.film import Film
@@ -24,13 +25,13 @@ from pix2pred.structs.environment import Environment, SimulatedTask
 
 
 def solve(
-    run: Path,
+    run: Annotated[Path, Parameter(help="Run folder, as made by learn.")],
     /,
     *,
     tasks: Annotated[Path | None, Parameter(help="Project folder whose tasks to solve, instead of new ones.")] = None,
     domain: Annotated[str | None, Parameter(help="Domain of new tasks [default: the run's].")] = None,
     family: Annotated[str | None, Parameter(help="Family of new tasks [default: the run's].")] = None,
-    seed: Annotated[int, Parameter(validator=NOT_NEGATIVE)] = 0,
+    seed: Annotated[int, Parameter(help="Varies the new tasks.", validator=NOT_NEGATIVE)] = 0,
     count: Annotated[int, Parameter(help="Number of new tasks.", validator=POSITIVE)] = 10,
     vlm: Annotated[
         str | None, Parameter(help="What looks at the tasks [default: the model that labelled the demonstrations].")
@@ -39,20 +40,24 @@ def solve(
         str, Parameter(help="portfolio, astar-lmcut, gbfs-ff, or an engine of the extra 'planners'.")
     ] = "portfolio",
     closed_loop: Annotated[bool, Parameter(help="Look after every skill and plan again when needed.")] = False,
-    disturb: Annotated[float, Parameter(help="Probability that the scene is disturbed after a skill.")] = 0.0,
-    video: Annotated[Path | None, Parameter(help="MP4 file to film the episodes into (extra: video).")] = None,
+    disturb: Annotated[
+        float, Parameter(help="Probability that the scene is disturbed after a skill.", validator=SHARE)
+    ] = 0.0,
+    video: Annotated[
+        Path | None, Parameter(help="MP4 file to film the episodes into (extra: video).", validator=output_file)
+    ] = None,
     plan_only: Annotated[bool, Parameter(help="Label and plan; execute nothing, need no simulator.")] = False,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
     registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Solve unseen tasks in the simulator with the world model of a run folder.
 
-    Examples: pix2pred solve runs/stacks --domain burger --family more-stacks --seed 1 --count 10
+    For example:
 
-    pix2pred solve runs/tea --tasks data/tea --vlm openai:gpt-4o-mini
+    - `pix2pred solve runs/stacks --domain burger --family more-stacks --seed 1 --count 10`
+
+    - `pix2pred solve runs/tea --tasks data/tea --vlm openai:gpt-4o-mini`
     """
-    if not 0 <= disturb <= 1:
-        raise UsageError(f"--disturb {disturb}: a probability lies between 0 and 1")
     RunFolder(run).config()
     with RunFolder(run).locked() as folder:
         solver, config = load_solver(folder, planner, closed_loop=closed_loop, vlm=vlm, registry=registry)

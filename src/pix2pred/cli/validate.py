@@ -30,7 +30,9 @@ def validate(
 
     Exit codes: 0 the plan works, 1 it does not, 2 bad input.
 
-    Example: pix2pred validate domain.pddl problem.pddl plan.txt --explain
+    For example:
+
+    - `pix2pred validate domain.pddl problem.pddl plan.txt --explain`
     """
     read: PddlDomain = parsed(domain, read_domain)
     task = parsed(problem, lambda text: read_problem(text, read))

@@ -2,6 +2,7 @@
 
 from pix2pred.images.crops import skill_crop
 from pix2pred.images.draw import draw_view, encode_png
+from pix2pred.images.likeness import nearly_same
 from pix2pred.images.shown import ShownPictures
 
-__all__ = ["ShownPictures", "draw_view", "encode_png", "skill_crop"]
+__all__ = ["ShownPictures", "draw_view", "encode_png", "nearly_same", "skill_crop"]

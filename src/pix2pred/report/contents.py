@@ -13,6 +13,7 @@ from pix2pred.learning import Support, load_traces, operator_support
 from pix2pred.predicates import Corrections, ground_atoms
 from pix2pred.predicates.corrections import Row, read_rows, with_atoms
 from pix2pred.predicates.labelling.evidence import Evidence, load_evidence
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import (
     ADVICE,
@@ -29,6 +30,7 @@ from pix2pred.runs.layout import (
     TIMINGS,
     TRACES,
 )
+from pix2pred.runs.verdict import Climbed, Concern, concerns
 from pix2pred.structs import TruthTable, WorldModel
 from pix2pred.structs.formats.world_model import load_model
 
@@ -80,11 +82,25 @@ class Contents:
         names = {new: old for old, new in self.learned_corrections.names.items()}
         return names.get(predicate, predicate)
 
+    @cached_property
+    def verdict(self) -> tuple[Concern, ...]:
+        """What is wrong with the world model; empty when nothing stands out."""
+        steps, learning = self.selection["steps"], self.config["settings"]["learning"]
+        climbed = Climbed(
+            int(self.metrics["candidates"]),
+            int(self.selection["evaluations"]) if steps else len(self.model.selected) + 2,
+            float(steps[0]["J"]) if steps else 0.0,
+            learning.get("j_threshold"),
+        )
+        return concerns(self.model, self.table.demos, climbed)
+
     @property
-    def blobs(self) -> Path:
-        """Where pictures are, by digest."""
+    def blobs(self) -> tuple[Path, ...]:
+        """Folders that may hold the pictures, by digest: of the run's answers, and of those it replays."""
         answers = self.config.get("answers")
-        return (Path(answers) if answers else self.folder) / "blobs"
+        replayed = addresses.folder_of(addresses.reached(str(self.config.get("vlm", "")), self.folder))
+        stores = [Path(answers) if answers else self.folder, *([replayed] if replayed else [])]
+        return tuple(store / "blobs" for store in stores)
 
 
 def load_contents(run: RunFolder) -> Contents:

@@ -20,15 +20,19 @@ from pix2pred import __version__
 from pix2pred.learning import Support, SupportKind
 from pix2pred.learning.operators.sharing import sharing
 from pix2pred.predicates import Corrections
-from pix2pred.report.attention import suspicions, unsure
-from pix2pred.report.changes import changes
 from pix2pred.report.contents import Contents
-from pix2pred.report.curve import j_text, selection_curve
-from pix2pred.report.graph import HEIGHT, WIDTH, operator_graph
 from pix2pred.report.pictures import Album
-from pix2pred.report.plans import episodes
-from pix2pred.report.pool import pool_entries, rejected_lines
-from pix2pred.report.tables import tables
+from pix2pred.report.sections.attention import suspicions, unsure
+from pix2pred.report.sections.changes import changes
+from pix2pred.report.sections.curve import j_text, selection_curve
+from pix2pred.report.sections.graph import HEIGHT, WIDTH, operator_graph
+from pix2pred.report.sections.plans import episodes
+from pix2pred.report.sections.pool import pool_entries, rejected_lines
+from pix2pred.report.sections.questions import questions
+from pix2pred.report.sections.shots import shots
+from pix2pred.report.sections.tables import tables
+from pix2pred.report.sections.wording import meaning
+from pix2pred.runs.verdict import spoken
 
 SCRIPTS = ("page.js", "review.js")
 
@@ -43,6 +47,7 @@ def render(contents: Contents, *, review: bool = False) -> str:
     data["review"] = review
     data["corrections"] = as_json(contents.corrections)
     data["learned"] = int(contents.metrics.get("corrections", 0))
+    pictured = shots(contents, contents.readings, album)
     scripts = [asset(name) for name in SCRIPTS[: 2 if review else 1]]
     settings = contents.config["settings"]["learning"]
     threshold = settings["j_threshold"] if settings["early_stop"] == "level" else None
@@ -59,6 +64,10 @@ def render(contents: Contents, *, review: bool = False) -> str:
         data=Markup(_safe_json(data)),
         pictures=[uri or "" for uri in album.uris()],
         pool=pool,
+        shots=pictured,
+        spoken=spoken,
+        meanings={p.name: words for p in contents.model.predicates if (words := meaning(p))},
+        questions=questions(contents),
         rejected=rejected_lines(contents),
         curve=selection_curve(contents.selection["steps"], threshold),
         j_text=j_text,

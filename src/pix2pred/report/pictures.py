@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Sequence
 from pathlib import Path
 
 import PIL.Image
@@ -25,7 +26,7 @@ PREVIEWS = "previews"
 class Album:
     """Numbers for pictures, in the order in which they are first asked for."""
 
-    def __init__(self, folder: Path, blobs: Path) -> None:
+    def __init__(self, folder: Path, blobs: Sequence[Path]) -> None:
         self._previews = folder / PREVIEWS
         self._blobs = blobs
         self._numbers: dict[str, int] = {}
@@ -41,8 +42,9 @@ class Album:
     def _uri(self, digest: str) -> str | None:
         kept = self._previews / f"{digest}.webp"
         if not kept.exists():
+            files = [blobs / f"{digest}.png" for blobs in self._blobs]
             try:
-                pixels = Image(self._blobs / f"{digest}.png").pixels()
+                pixels = Image(next((f for f in files if f.exists()), files[0])).pixels()
             except PictureError:
                 return None
             picture = PIL.Image.fromarray(pixels)

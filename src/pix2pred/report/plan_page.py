@@ -20,6 +20,7 @@ from pix2pred.execution.explaining.scene import said
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import draw_view, skill_crop
 from pix2pred.report.page import asset, environment
+from pix2pred.runs.verdict import doubts_about
 from pix2pred.structs import (
     Atom,
     FromVLM,
@@ -113,6 +114,7 @@ def render_plan(scene: PlannedScene, guided: Guided | None = None) -> str:
         labelled_by=scene.solver.labeller.vlm.name,
         photos=_photos(task.initial, 0),
         steps=steps,
+        doubts=doubts_about(scene.result.plan),
         goal_needs=_pairs(scene.needs[-1]) if scene.solved else (),
         rests=[_label(scene, a) for a in sorted(scene.rests_on, key=lambda a: a not in scene.labels.values)],
         unlabelled=[_label(scene, a) for a in scene.unlabelled],

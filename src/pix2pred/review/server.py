@@ -24,6 +24,9 @@ LOOPBACK = "127.0.0.1"
 MAX_BODY = 1 << 20
 """Longer requests are refused."""
 
+LONGEST_LENGTH = 18
+"""Digits of a length; thousands of them are no number to Python."""
+
 _HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "frame-ancestors 'none'",
@@ -124,6 +127,8 @@ class _Handler(BaseHTTPRequestHandler):
         length = self.headers.get("Content-Length", "")
         if kind != "application/json" or not length.isdecimal():
             self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "expected JSON with its length")
+        elif len(length) > LONGEST_LENGTH:
+            self._refuse(HTTPStatus.BAD_REQUEST, "no request is that long")
         elif int(length) > MAX_BODY:
             self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {MAX_BODY} bytes")
         else:

@@ -7,13 +7,16 @@ report have the same bytes for the same inputs.
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from pix2pred.runs import addresses
 from pix2pred.runs.layout import CONFIG, CORRECTIONS, LOCK
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.files import refuse_irregular, remove_abandoned, write_whole
@@ -22,6 +25,40 @@ from pix2pred.system.locks import LockedError, held
 
 class RunFolderError(Pix2predError, ValueError):
     """A folder that cannot serve for this run; the message says why and what to do."""
+
+
+_SHOWN = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A key of two configurations, dotted, and its values."""
+
+    key: str
+    then: Any
+    now: Any
+
+    def __str__(self) -> str:
+        if self.key == "data":
+            return "data: its demonstrations, pictures or declarations were others"
+        return f"{self.key}: {_brief(self.then)} there, {_brief(self.now)} now"
+
+
+def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "") -> list[Difference]:
+    """What differs between two configurations, key by key; what one of them lacks is None."""
+    found = []
+    for key in dict.fromkeys([*then, *now]):
+        a, b = then.get(key), now.get(key)
+        if isinstance(a, dict) and isinstance(b, dict):
+            found += differences(a, b, f"{prefix}{key}.")
+        elif a != b:
+            found.append(Difference(f"{prefix}{key}", a, b))
+    return found
+
+
+def _brief(value: Any) -> str:
+    text = "nothing" if value is None else str(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 class RunFolder:
@@ -67,12 +104,19 @@ class RunFolder:
             return
         found = self.config()
         remove_abandoned(self.path)
-        if found != yaml.safe_load(text):
-            keys = sorted(k for k in {*found, *config} if found.get(k) != dict(config).get(k))
+        different = [d for d in differences(found, yaml.safe_load(text)) if not self._same_model(d)]
+        if different:
+            keys = sorted({d.key.partition(".")[0] for d in different})
+            listed = "; ".join(str(d) for d in different[:_SHOWN]) + ("; ..." if len(different) > _SHOWN else "")
             raise RunFolderError(
-                f"{self.path}: holds a run with another {', '.join(keys)}; choose another folder with --out, "
-                "or delete this one to start over"
+                f"{self.path}: holds a run with another {', '.join(keys)} ({listed}). Choose another folder with "
+                f"--out (with --answers {shlex.quote(str(self.path))} what was answered here is not asked). To start "
+                "over in this folder, delete it"
             )
+
+    def _same_model(self, difference: Difference) -> bool:
+        """Whether ``--vlm`` merely names the same folder in another way."""
+        return difference.key == "vlm" and addresses.same(str(difference.then), str(difference.now), self.path)
 
     def write(self, name: str, text: str) -> Path:
         """Write a text file, which appears complete or not at all."""

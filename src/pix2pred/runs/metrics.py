@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from pix2pred.learning import LearningSettings, Selection
 from pix2pred.pipeline import Asked, LearningProblem, Selected
 from pix2pred.predicates import Occurrence, goal_warnings
-from pix2pred.structs import Label
+from pix2pred.runs.verdict import Climbed, concerns
+from pix2pred.structs import Label, TruthTable
 from pix2pred.structs.samplers import Sampler
 
 _SHOWN_GAPS = 5
@@ -30,7 +32,11 @@ def asked_metrics(problem: LearningProblem, asked: Asked) -> dict[str, Any]:
 
 
 def selected_metrics(
-    before: Mapping[str, Any], selected: Selected, samplers: Mapping[str, Sampler], corrections: int
+    before: Mapping[str, Any],
+    selected: Selected,
+    samplers: Mapping[str, Sampler],
+    corrections: int,
+    settings: LearningSettings,
 ) -> dict[str, Any]:
     """``before`` brought up to date with what was selected and learned with so many ``corrections``."""
     model, table, selection = selected.model, selected.table, selected.selection
@@ -46,6 +52,7 @@ def selected_metrics(
         "candidates": len(table.candidates()),
         "unknown_labels": table.count(Label.UNKNOWN),
         "warnings": warnings,
+        "verdict": [str(c) for c in concerns(model, table.demos, climbed(selection, table, settings))],
         "selected": [p.name for p in selection.selected],
         "operators": len(selection.operators),
         "J": [round(step.j, 4) for step in selection.steps],
@@ -54,6 +61,13 @@ def selected_metrics(
     if "samplers" in before:
         updated["samplers"] = {name: sampler.name for name, sampler in samplers.items()}
     return updated
+
+
+def climbed(selection: Selection, table: TruthTable, settings: LearningSettings) -> Climbed:
+    """How selection went, for the verdict."""
+    first = selection.steps[0].j if selection.steps else 0.0
+    tried = selection.evaluations if selection.steps else len(selection.selected) + 2  # nothing was climbed at all
+    return Climbed(len(table.candidates()), tried, first, settings.j_threshold)
 
 
 def _gap_warnings(asked: Asked) -> list[str]:

@@ -28,6 +28,7 @@ from pix2pred.execution import Guided, Look, Missing, PlannedScene
 from pix2pred.planning import is_valid
 from pix2pred.planning.pddl.write import write_domain, write_plan, write_problem
 from pix2pred.runs.folder import RunFolder, RunFolderError
+from pix2pred.runs.verdict import doubts_about
 from pix2pred.structs import Atom, Demo, GroundOperator, Task, WorldModel
 from pix2pred.structs.formats.world_model import dump_model
 from pix2pred.structs.plans import signed
@@ -170,6 +171,7 @@ def plan_document(scene: PlannedScene, guided: Guided | None = None) -> dict[str
         "rests_on": [_label_doc(scene, atom) for atom in scene.rests_on],
         "unlabelled": [str(a) for a in scene.unlabelled],
         "missing": [_missing_doc(m) for m in scene.missing],
+        "doubts": list(doubts_about(scene.result.plan)),
         "would_help": [str(a) for a in scene.would_help],
         "nodes": scene.result.nodes,
         "labelled_by": scene.solver.labeller.vlm.name,

@@ -75,7 +75,44 @@ def allowed(source: str) -> ast.Module:
     tree = ast.parse(source)
     for node in ast.walk(tree):
         _check(node)
-    return tree
+    plain: ast.Module = ast.fix_missing_locations(_Plain().visit(tree))
+    return plain
+
+
+MAKE_SET, REMAINDER = "_set", "_remainder"
+"""What sets and remainders are written as, so that no value depends on where in memory something lies.
+
+Names that begin with an underscore are refused, so that a program can neither use nor replace these.
+"""
+
+
+class _Plain(ast.NodeTransformer):
+    """Writes ``{a, b}`` as ``_set([a, b])`` and ``a % b``, which also formats text, as ``_remainder(a, b)``."""
+
+    def visit_Set(self, node: ast.Set) -> ast.AST:
+        self.generic_visit(node)
+        return _call(node, MAKE_SET, ast.List(node.elts, ast.Load()))
+
+    def visit_SetComp(self, node: ast.SetComp) -> ast.AST:
+        self.generic_visit(node)
+        return _call(node, MAKE_SET, ast.GeneratorExp(node.elt, node.generators))
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        self.generic_visit(node)
+        return _call(node, REMAINDER, node.left, node.right) if isinstance(node.op, ast.Mod) else node
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> ast.AST:
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Mod):
+            return node
+        if not isinstance(node.target, ast.Name):
+            raise RefusedError(f"line {node.lineno}: %= is allowed for plain names alone")
+        value = _call(node, REMAINDER, ast.Name(node.target.id, ast.Load()), node.value)
+        return ast.copy_location(ast.Assign([node.target], value), node)
+
+
+def _call(node: ast.AST, name: str, *arguments: ast.expr) -> ast.expr:
+    return ast.copy_location(ast.Call(ast.Name(name, ast.Load()), list(arguments), []), node)
 
 
 def _check(node: ast.AST) -> None:

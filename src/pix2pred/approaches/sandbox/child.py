@@ -12,12 +12,14 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, MutableSet
 from types import CodeType, FrameType, ModuleType
 from typing import Any
 
 FILE = "<predicate>"
 LONGEST_RANGE = 100_000
+MAKE_SET, REMAINDER = "_set", "_remainder"
+"""As in ``allow_list``, which is loaded later."""
 
 
 class StepsExceeded(BaseException):
@@ -75,12 +77,53 @@ def short_range(*bounds: int) -> range:
     return numbers
 
 
+class PlainSet(MutableSet[Any]):
+    """A set in the order in which its elements were added: that of a real one may depend on addresses in memory."""
+
+    def __init__(self, elements: Iterable[Any] = ()) -> None:
+        self._elements = dict.fromkeys(elements)
+
+    def __contains__(self, element: object) -> bool:
+        return element in self._elements
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._elements)
+
+    def __len__(self) -> int:
+        return len(self._elements)
+
+    def add(self, value: Any) -> None:
+        """Add an element."""
+        self._elements[value] = None
+
+    def discard(self, value: Any) -> None:
+        """Remove an element, if it is there."""
+        self._elements.pop(value, None)
+
+
+def plain_text(value: Any = "") -> str:
+    """``str`` of text, numbers and truth values; that of a function or an object would hold its address in memory."""
+    if value is not None and not isinstance(value, str | int | float):
+        raise TypeError(f"the text of a {type(value).__name__} is not allowed")
+    return str(value)
+
+
+def remainder(left: Any, right: Any) -> Any:
+    """``left % right`` of numbers; formatting text is not allowed."""
+    if isinstance(left, str):
+        raise TypeError("text cannot be formatted with %")
+    return left % right
+
+
 def namespace(job: dict[str, Any], names: tuple[str, ...], attributes: frozenset[str]) -> dict[str, Any]:
     """The globals of the code: harmless builtins, ``math``, and one name per type of object."""
     maths = type("math", (), {name: staticmethod(v) if callable(v) else v for name in attributes
                               if (v := getattr(math, name)) is not None})  # fmt: skip
     return {
-        "__builtins__": {name: getattr(builtins, name) for name in names} | {"range": short_range},
+        "__builtins__": {name: getattr(builtins, name) for name in names}
+        | {"range": short_range, "set": PlainSet, "str": plain_text},
+        MAKE_SET: PlainSet,
+        REMAINDER: remainder,
         "math": maths,
         "Predicate": lambda name, types, classifier: classifier,
         **{kind: kind for kind in job["types"]},

@@ -47,8 +47,11 @@ def run_classifier(
     scenes: Sequence[Features],
     queries: Sequence[tuple[int, tuple[Object, ...]]],
     limits: SandboxLimits = SandboxLimits(),
+    child: Path = CHILD,
 ) -> tuple[bool, ...]:
     """The values of ``function``, defined in ``source``, for every (number of a scene, arguments).
+
+    They depend on the scenes and the arguments alone. ``child`` is the program of the confined process.
 
     Raises ``CodeError`` for code that is refused or misbehaves, ``SandboxError`` where code cannot be confined.
     """
@@ -62,7 +65,7 @@ def run_classifier(
         "megabytes": limits.megabytes,
         "cpu_seconds": limits.cpu_seconds,
     }
-    answer = _exchange(json.dumps(job).encode(), len(queries) + 1000, limits.wall_seconds)
+    answer = _exchange(child, json.dumps(job).encode(), len(queries) + 1000, limits.wall_seconds)
     kind, text = answer[:1], answer[1:]
     if kind == "U":
         raise SandboxError(f"code written by a model is not run: {text}")
@@ -86,9 +89,9 @@ def _plain(scene: Features) -> dict[str, tuple[list[str], dict[str, float]]]:
     return plain
 
 
-def _exchange(job: bytes, longest: int, wall_seconds: float) -> str:
+def _exchange(child: Path, job: bytes, longest: int, wall_seconds: float) -> str:
     """Send the job and read at most ``longest`` bytes. Raises ``CodeError`` when the process was killed."""
-    command = [sys.executable, "-P", "-s", "-S", "-B", str(CHILD)]
+    command = [sys.executable, "-P", "-s", "-S", "-B", str(child)]
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,

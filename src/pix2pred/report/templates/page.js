@@ -119,7 +119,13 @@ function draw(d) {
   if (old) { old.table.replaceChild(body(d), old.table.tBodies[0]); first(d); return; }
   const table = el("table", { class: "truth" }, el("caption", {}, `Truth table of ${demo.name}: atoms by state`), header(d), body(d));
   const panel = el("aside", { class: "panel", "aria-label": `Picture and explanation, ${demo.name}` });
-  holder.append(el("div", { class: "truth-scroll" }, table), panel);
+  const scroll = el("div", { class: "truth-scroll" }, table);
+  const further = el("button", { type: "button", class: "further", tabindex: "-1" }, "further states →");
+  further.addEventListener("click", () => scroll.scrollBy({ left: scroll.clientWidth * 0.7, behavior: "smooth" }));
+  const more = () => { further.hidden = scroll.scrollLeft + scroll.clientWidth >= scroll.scrollWidth - 2; };
+  scroll.addEventListener("scroll", more, { passive: true });
+  new ResizeObserver(more).observe(scroll);
+  holder.append(scroll, panel, further);
   page.tables.set(d, { table, panel });
   table.addEventListener("focusin", (e) => { const c = place(e.target); if (c) select(d, c.row, c.state, e.target); });
   table.addEventListener("mouseover", (e) => { const c = place(e.target); if (c) show(d, c.row, c.state); });
@@ -177,7 +183,7 @@ function reveal(td) {
 function drawing(picture, objects, crop) {
   const [w, h] = picture.size, image = svg("image", { x: 0, y: 0, width: w, height: h, preserveAspectRatio: "none" });
   const view = crop ? [crop[0], crop[1], crop[2] - crop[0], crop[3] - crop[1]] : [0, 0, w, h];
-  const figure = svg("svg", { class: "picture", viewBox: view.join(" "), role: "img", "aria-label": objects.length ? `picture with ${objects.join(", ")} framed` : "picture" });
+  const figure = svg("svg", { class: "picture", viewBox: view.join(" "), role: "img", tabindex: "0", "aria-label": objects.length ? `picture with ${objects.join(", ")} framed` : "picture" });
   figure.append(image);
   embed(image, "href", picture.picture, () => {
     const t = svg("text", { x: w / 2, y: h / 2, "text-anchor": "middle" });
@@ -240,6 +246,30 @@ page.goto = (d, t, row) => {
   else { showState(d, t); $(`d${d}-s${t}`)?.scrollIntoView({ block: "nearest", inline: "center" }); }
 };
 function wantsAll(d, row) { return near.has(data.predicates[data.demos[d].atoms[row][0]].status) ? "near" : "all"; }
+
+/* Nothing of what was labelled was selected: everything is shown instead of nothing. */
+if (!data.predicates.some((p) => p.status === "selected")) $("filter").value = "all";
+
+for (const shot of document.querySelectorAll(".shot[data-picture]")) {
+  const image = el("img", { alt: shot.dataset.text, loading: "lazy", decoding: "async", tabindex: "0", role: "button" });
+  embed(image, "src", +shot.dataset.picture, () => { image.remove(); shot.textContent = "no picture stored"; });
+  shot.append(image);
+}
+/* A click, or Enter, enlarges a picture; the next one closes it. */
+const zoom = el("dialog", { class: "zoom", "aria-label": "Picture, enlarged" });
+document.body.append(zoom);
+zoom.addEventListener("click", () => zoom.close());
+function enlarge(target) {
+  const picture = target.closest?.("svg.picture, .shot img");
+  if (!picture || zoom.contains(picture)) return false;
+  const copy = picture.cloneNode(true);
+  copy.removeAttribute("tabindex");
+  zoom.replaceChildren(copy, el("p", { class: "dim" }, picture.getAttribute("alt") || picture.getAttribute("aria-label") || ""));
+  zoom.showModal();
+  return true;
+}
+document.addEventListener("click", (e) => enlarge(e.target));
+document.addEventListener("keydown", (e) => { if (e.key === "Enter" && enlarge(e.target)) e.preventDefault(); });
 
 for (const details of document.querySelectorAll("details.demo")) {
   const d = +details.dataset.demo;

@@ -16,12 +16,14 @@ T = TypeVar("T")
 
 
 class UnknownNameError(Pix2predError, ValueError):
-    """A name that was never declared."""
+    """A name that was never declared; with ``listed`` the message says which there are."""
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        close = difflib.get_close_matches(name, list(known), n=1)
+    def __init__(self, kind: str, name: str, known: Iterable[str], *, listed: bool = False) -> None:
+        names = list(known)
+        close = difflib.get_close_matches(name, names, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else ""
-        super().__init__(f"{kind} {name!r} is not declared{hint}")
+        there = f"; there are {', '.join(sorted(names))}" if listed else ""
+        super().__init__(f"{kind} {name!r} {'does not exist' if listed else 'is not declared'}{hint}{there}")
 
 
 class DeclaredNames:

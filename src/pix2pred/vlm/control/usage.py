@@ -64,6 +64,11 @@ class Usage:
         """JSON-compatible counts, sorted by demonstration."""
         return {demo: count.as_dict() for demo, count in sorted(self.demos.items())}
 
+    @property
+    def queries(self) -> int:
+        """Questions so far, stored ones included."""
+        return sum(c.queries for c in list(self.purposes.values()))
+
     def line(self) -> str:
         """The sum for people: ``41 queries (3 stored), 120k tokens, $0.42``."""
         counts = self.purposes.values()

@@ -6,7 +6,8 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 
 from pix2pred.report.contents import Contents
-from pix2pred.report.curve import j_text
+from pix2pred.report.sections.curve import j_text
+from pix2pred.report.sections.wording import meaning
 from pix2pred.structs import (
     FromVLM,
     Label,
@@ -30,6 +31,7 @@ class PoolEntry:
     labels: int
     status: str
     why: str
+    meaning: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +74,7 @@ def pool_entries(contents: Contents) -> list[PoolEntry]:
         entries.append(
             PoolEntry(
                 p.name, shown, tuple(t.name for t in p.types), source_name(p.source),
-                proposed[phrase], counts[p], totals[p], status, why,
+                proposed[phrase], counts[p], totals[p], status, why, meaning(p),
             )
         )  # fmt: skip
     return sorted(entries, key=lambda e: (ORDER.index(e.status), e.shown))

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.report.attention import Suspicion
 from pix2pred.report.contents import Contents
 from pix2pred.report.pictures import Album
+from pix2pred.report.sections.attention import Suspicion
 from pix2pred.structs import (
     Label,
     LabelledDemo,

@@ -1,0 +1,50 @@
+"""Folders in the names of models (``replay:DIR``, ``mailbox:DIR``): kept so that a run works from anywhere.
+
+A folder that was named relative to where the command ran is kept relative to the run folder, and moves with it. Runs of
+before kept it as it was typed; where that leads nowhere from the run, it is tried from the present folder.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+_WITH_FOLDER = ("replay", "mailbox")
+
+
+def kept(spec: str, run: Path) -> str:
+    """``spec`` as ``config.yaml`` keeps it."""
+    kind, folder = _parts(spec)
+    if not folder or Path(folder).expanduser().is_absolute():
+        return spec
+    return f"{kind}:{Path(os.path.relpath(Path(folder).resolve(), run.resolve())).as_posix()}"
+
+
+def reached(spec: str, run: Path) -> str:
+    """``spec``, which ``config.yaml`` of ``run`` kept, as it leads to the folder from here."""
+    kind, folder = _parts(spec)
+    if not folder or Path(folder).expanduser().is_absolute():
+        return spec
+    from_run = run / folder
+    return f"{kind}:{folder if Path(folder).exists() and not from_run.exists() else from_run}"
+
+
+def same(one: str, other: str, run: Path) -> bool:
+    """Whether two kept names lead to the same model and folder."""
+    return one == other or _resolved(one, run) == _resolved(other, run)
+
+
+def folder_of(spec: str) -> Path | None:
+    """The folder that a name of a model holds, if it holds one."""
+    _, folder = _parts(spec)
+    return Path(folder) if folder else None
+
+
+def _resolved(spec: str, run: Path) -> tuple[str, Path | None]:
+    folder = folder_of(reached(spec, run))
+    return _parts(spec)[0], folder.resolve() if folder else None
+
+
+def _parts(spec: str) -> tuple[str, str]:
+    kind, _, rest = spec.partition(":")
+    return (kind, rest) if kind in _WITH_FOLDER else (spec, "")
