@@ -28,7 +28,7 @@ def read_plan(text: str, domain: PddlDomain, problem: PddlProblem) -> tuple[Pddl
     Names may be the written or the original ones; case does not matter. Raises ``PddlError``.
     """
     names = {
-        kind: {form.lower(): name for (k, form), name in domain.names.items() if k == kind}
+        kind: {form.lower(): name for (k, form), name in problem.names.items() if k == kind}
         for kind in ("action", "object")
     }
     names["action"] |= {a.name.lower(): a.name for a in domain.actions}
