@@ -34,7 +34,7 @@ def plan_pddl(
     *,
     planner: Annotated[
         str, Parameter(help=f"{', '.join(planner_names())}; with the extra 'planners' {EXTERNAL}.")
-    ] = "gbfs-ff",
+    ] = "quick",
     time_limit: Annotated[
         float, Parameter(help="Seconds an external planner may take; our own are bounded by nodes.", validator=POSITIVE)
     ] = TIME_LIMIT,

@@ -1,9 +1,7 @@
 """Reading PDDL without numbers and time, with errors that name line and column.
 
-Read are typing with ``either``, constants, equality, negation, disjunctions, quantifiers, conditional effects, derived
-predicates, and action costs from static functions. Own code because the parsers found either refuse the built-in type
-``object`` in a predicate (``pddl`` 0.5) or weigh a planning framework (``unified-planning``), and none reports where
-such errors stand.
+Own code because the parsers found either refuse the built-in type ``object`` in a predicate (``pddl`` 0.5) or weigh a
+planning framework (``unified-planning``), and none reports where such errors stand.
 """
 
 from __future__ import annotations
