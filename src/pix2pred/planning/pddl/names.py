@@ -44,9 +44,7 @@ class PddlNames:
         if (kind, name) not in self._forms:
             space = _ONE_SPACE if self._style.unique and kind in _SHARED else kind
             taken = self._taken.setdefault(space, {"object", *RESERVED})
-            base = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-_") or "x"
-            if not base[0].isalpha():
-                base = f"x-{base}"
+            base = _legal(name)
             form, number = base, 2
             while form in taken:
                 form, number = f"{base}-{number}", number + 1
@@ -57,6 +55,12 @@ class PddlNames:
     def changed(self) -> list[tuple[str, str, str]]:
         """(kind, PDDL form, original name) wherever the two differ, sorted."""
         return sorted((kind, form, name) for (kind, name), form in self._forms.items() if form != name)
+
+
+def _legal(name: str) -> str:
+    """``name`` in lower case with the characters that PDDL allows, beginning with a letter."""
+    base = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-_") or "x"
+    return base if base[0].isalpha() else f"x-{base}"
 
 
 def described(model: WorldModel) -> WorldModel:
@@ -89,7 +93,7 @@ def _with_names(op: Operator, name: str) -> Operator:
     count: Counter[str] = Counter()
     new: dict[Variable, Variable] = {}
     for v in op.parameters:
-        base = re.sub(r"[^a-z0-9_]+", "-", v.type.name.lower()).strip("-_") or "x"
+        base = _legal(v.type.name)
         count[base] += 1
         new[v] = Variable(f"?{base}" if count[base] == 1 else f"?{base}-{count[base]}", v.type)
 
