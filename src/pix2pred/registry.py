@@ -18,10 +18,13 @@ from pix2pred.images import ShownPictures
 from pix2pred.planning import (
     FF,
     AStar,
+    EasyFF,
     ExternalPlanner,
     GreedyBestFirst,
     Heuristic,
+    LazyGreedy,
     Planner,
+    Polished,
     Portfolio,
     Search,
     Strips,
@@ -72,19 +75,24 @@ _MODELS: dict[str, str] = {}
 HEURISTICS: dict[str, Callable[[Strips], Heuristic]] = {
     "lmcut": landmark_cut,
     "ff": FF,
+    "ff-easy": EasyFF,
 }
 """Classes made from a ground task; group ``pix2pred.heuristics``."""
 
 SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
     "astar": AStar,
     "gbfs": GreedyBestFirst,
+    "lazy": LazyGreedy,
 }
 """Every search goes with every heuristic: a planner is called SEARCH-HEURISTIC."""
 
 PORTFOLIOS: dict[str, Callable[[], Search]] = {
     "portfolio": lambda: Portfolio((AStar(max_nodes=5_000), GreedyBestFirst())),
+    "quick": lambda: Polished(
+        Portfolio((GreedyBestFirst(max_nodes=2_000), LazyGreedy(EasyFF, max_nodes=200_000), GreedyBestFirst()))
+    ),
 }
-"""``portfolio``, the default, plans optimally where that is cheap and greedily otherwise.
+"""``portfolio``, the default, plans optimally where that is cheap, else greedily; ``quick`` is for large tasks.
 
 Searches of other packages, callables from a ground task to a ``SearchResult``, come from the group
 ``pix2pred.searches``.

@@ -35,7 +35,7 @@ def plan_pddl(
     *,
     planner: Annotated[
         str, Parameter(help=f"{', '.join(planner_names())}; with the extra 'planners' {EXTERNAL}.")
-    ] = "gbfs-ff",
+    ] = "quick",
     time_limit: Annotated[
         float,
         Parameter(

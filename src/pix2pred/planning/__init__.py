@@ -2,6 +2,7 @@
 
 from pix2pred.planning.external.planner import ExternalPlanner, ExternalPlannerError
 from pix2pred.planning.grounding import GroundingBudgetError, GroundTask, ground
+from pix2pred.planning.heuristics.easy_ff import EasyFF
 from pix2pred.planning.heuristics.ff import FF
 from pix2pred.planning.heuristics.heuristic import Evaluation, Heuristic
 from pix2pred.planning.heuristics.lmcut import LMCut
@@ -10,6 +11,8 @@ from pix2pred.planning.planner import Planner, TaskPlanner
 from pix2pred.planning.search.astar import AStar
 from pix2pred.planning.search.bounded import Bounded
 from pix2pred.planning.search.greedy import GreedyBestFirst
+from pix2pred.planning.search.lazy import LazyGreedy
+from pix2pred.planning.search.polished import Polished
 from pix2pred.planning.search.portfolio import Portfolio
 from pix2pred.planning.search.search import Search, SearchResult
 from pix2pred.planning.strips import Strips
@@ -19,6 +22,7 @@ __all__ = [
     "FF",
     "AStar",
     "Bounded",
+    "EasyFF",
     "Evaluation",
     "ExternalPlanner",
     "ExternalPlannerError",
@@ -27,7 +31,9 @@ __all__ = [
     "GroundingBudgetError",
     "Heuristic",
     "LMCut",
+    "LazyGreedy",
     "Planner",
+    "Polished",
     "Portfolio",
     "Search",
     "SearchResult",

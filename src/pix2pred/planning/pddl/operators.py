@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pix2pred.planning.pddl.formulas import TRUE, Action, Equality, Literal, conjuncts
 from pix2pred.planning.pddl.syntax import PddlError, Place
 from pix2pred.structs import FromDomain, LiftedAtom, Operator, Predicate, Skill, Type, Variable
+
+_SKILL = re.compile(r"^\s*;@ skill (\S+) (\d{1,9}) (.+?)\s*$", re.MULTILINE)
 
 UNEQUAL = Predicate("=/=", (Type("object"), Type("object")), FromDomain())
 """Stands for ``(not (= ?a ?b))`` where only some pairs of parameters exclude each other; problems get its atoms."""
@@ -31,6 +34,15 @@ class StripsOperators:
 
     operators: tuple[Operator, ...]
     distinct: bool
+
+
+def skill_notes(text: str) -> dict[str, SkillNote]:
+    """The notes in the comments of a domain, by the PDDL form of the action."""
+    found = {}
+    for form, support, behind in _SKILL.findall(text):
+        skill, *args = behind.split()
+        found[form] = SkillNote(int(support), skill, tuple(args))
+    return found
 
 
 def strips_operators(

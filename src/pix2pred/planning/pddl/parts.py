@@ -25,7 +25,13 @@ RESERVED = {
     "and", "or", "not", "imply", "forall", "exists", "when", "either", "preference", "=", "<", ">", "<=", ">=",
     "assign", "increase", "decrease", "scale-up", "scale-down", "total-cost", "total-time", "number", "define",
 }  # fmt: skip
-"""Words that cannot name a predicate."""
+"""Words of the language. Nothing that is written is called like one of them."""
+
+NO_PREDICATES = {
+    "and", "or", "not", "imply", "forall", "exists", "when", "=", "assign", "increase", "decrease", "scale-up",
+    "scale-down",
+}  # fmt: skip
+"""Words that cannot name a predicate that is read: conditions or effects begin with them."""
 
 
 def sections(text: str, kind: str) -> dict[str, list[Group]]:

@@ -1,9 +1,7 @@
 """Reading PDDL without numbers and time, with errors that name line and column.
 
-Read are typing with ``either``, constants, equality, negation, disjunctions, quantifiers, conditional effects, derived
-predicates, and action costs from static functions. Own code because the parsers found either refuse the built-in type
-``object`` in a predicate (``pddl`` 0.5) or weigh a planning framework (``unified-planning``), and none reports where
-such errors stand.
+Own code because the parsers found either refuse the built-in type ``object`` in a predicate (``pddl`` 0.5) or weigh a
+planning framework (``unified-planning``), and none reports where such errors stand.
 """
 
 from __future__ import annotations
@@ -15,15 +13,14 @@ from itertools import permutations
 
 from pix2pred.planning.pddl.conditions import FormulaReader, whole_number
 from pix2pred.planning.pddl.formulas import TRUE, Action, DerivedPredicate, Formula, Literal, TypedName, conjuncts
-from pix2pred.planning.pddl.operators import UNEQUAL, SkillNote, StripsOperators, strips_operators
-from pix2pred.planning.pddl.parts import RESERVED, action_parts, declared, items, sections
+from pix2pred.planning.pddl.operators import UNEQUAL, StripsOperators, skill_notes, strips_operators
+from pix2pred.planning.pddl.parts import NO_PREDICATES, action_parts, declared, items, sections
 from pix2pred.planning.pddl.scope import Scope, read_types
 from pix2pred.planning.pddl.stratified import CircularNegationError, strata
 from pix2pred.planning.pddl.syntax import Group, Node, PddlError, Place, Word, as_group, as_word
 from pix2pred.structs import AbstractState, Atom, FromDomain, Object, Operator, Predicate, Type
 
 _TABLE = re.compile(r"^\s*;@ name (\w+) (\S+) (.+?)\s*$", re.MULTILINE)
-_SKILL = re.compile(r"^\s*;@ skill (\S+) (\d{1,9}) (.+?)\s*$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +69,8 @@ class PddlProblem:
     minimise_costs: bool = False
     kinds: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Types of every object, several where ``either`` gives them."""
+    names: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    """Original names by kind and PDDL form, the domain's included."""
 
 
 def read_domain(text: str) -> PddlDomain:
@@ -100,7 +99,7 @@ def read_domain(text: str) -> PddlDomain:
     predicates = {
         n: Predicate(n, tuple(_one_type(p, scope) for p in s), FromDomain()) for n, s in scope.predicates.items()
     }
-    notes = {scope.original("action", m[0]): SkillNote(int(m[1]), *_split(m[2])) for m in _SKILL.findall(text)}
+    notes = {scope.original("action", form): note for form, note in skill_notes(text).items()}
     strips = None if derived else strips_operators(tuple(actions.values()), scope.types, predicates, notes, places)
     made = strips or StripsOperators((), distinct=False)
     return PddlDomain(
@@ -156,6 +155,7 @@ def read_problem(text: str, domain: PddlDomain) -> PddlProblem:
         costs=costs,
         minimise_costs=_minimises_costs(found, domain),
         kinds=scope.objects,
+        names=scope.table,
     )
 
 
@@ -197,7 +197,7 @@ def _one_type(name: TypedName, scope: Scope) -> Type:
 def _declare(group: Group, kind: str, known: dict[str, tuple[TypedName, ...]], scope: Scope) -> None:
     word = as_word(group.items[0]) if group.items else Word("()", group.at)
     name = scope.original(kind, word.text)
-    if kind == "predicate" and word.text in RESERVED:
+    if kind == "predicate" and word.text in NO_PREDICATES:
         raise PddlError(word.at, f"{word.text} cannot name a predicate")
     if name in known:
         raise PddlError(word.at, f"{kind} {word.text} is declared twice")
@@ -297,8 +297,3 @@ def _minimises_costs(found: dict[str, list[Group]], domain: PddlDomain) -> bool:
 
 def _original_names(text: str) -> dict[tuple[str, str], str]:
     return {(kind, form): name for kind, form, name in _TABLE.findall(text)}
-
-
-def _split(skill: str) -> tuple[str, tuple[str, ...]]:
-    name, *args = skill.split()
-    return name, tuple(args)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
@@ -27,12 +28,8 @@ def read_plan(text: str, domain: PddlDomain, problem: PddlProblem) -> tuple[Pddl
 
     Names may be the written or the original ones; case does not matter. Raises ``PddlError``.
     """
-    names = {
-        kind: {form.lower(): name for (k, form), name in domain.names.items() if k == kind}
-        for kind in ("action", "object")
-    }
-    names["action"] |= {a.name.lower(): a.name for a in domain.actions}
-    names["object"] |= {o.name.lower(): o.name for o in problem.objects}
+    action = _Names("action", [a.name for a in domain.actions], problem)
+    thing = _Names("object", [o.name for o in problem.objects], problem)
     steps = []
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip() or line.lstrip().startswith(";"):
@@ -41,6 +38,20 @@ def read_plan(text: str, domain: PddlDomain, problem: PddlProblem) -> tuple[Pddl
         words = match[1].split() if match else []
         if not words:
             raise PddlError(Place(number, 1), f"expected (action object ...), found {line.strip()[:60]}")
-        action, *objects = (w.lower() for w in words)
-        steps.append(PddlStep(names["action"].get(action, action), tuple(names["object"].get(o, o) for o in objects)))
+        steps.append(PddlStep(action.original(words[0]), tuple(map(thing.original, words[1:]))))
     return tuple(steps)
+
+
+class _Names:
+    """Original names by what stands in a plan: the written form, the name itself, or either in other letters' cases."""
+
+    def __init__(self, kind: str, originals: Sequence[str], problem: PddlProblem) -> None:
+        self._written = {form: name for (k, form), name in problem.names.items() if k == kind}
+        self._originals = set(originals)
+        self._lower = {name.lower(): name for name in sorted(originals)} | self._written
+
+    def original(self, word: str) -> str:
+        """The name that ``word`` stands for; ``word`` itself when nothing is called so."""
+        if word in self._written or word not in self._originals:
+            return self._lower.get(word.lower(), word)
+        return word

@@ -6,9 +6,9 @@ the skills behind the actions (``;@ skill``), and ``pddl_read`` gives the origin
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 
+from pix2pred.planning.pddl.names import PLAIN, PddlNames, PddlStyle, described
 from pix2pred.structs import (
     AbstractState,
     Atom,
@@ -23,55 +23,37 @@ from pix2pred.structs import (
 )
 
 
-class PddlNames:
-    """Original names and their PDDL forms, one table per kind (type, predicate, action, object)."""
-
-    def __init__(self) -> None:
-        self._forms: dict[tuple[str, str], str] = {}
-        self._taken: dict[str, set[str]] = {}
-
-    def form(self, kind: str, name: str) -> str:
-        """The PDDL form of ``name``: lower case, legal characters, different from all others of its kind."""
-        if (kind, name) not in self._forms:
-            taken = self._taken.setdefault(kind, {"object"} if kind == "type" else set())
-            base = re.sub(r"[^a-z0-9_]+", "-", name.lower()).strip("-_") or "x"
-            if not base[0].isalpha():
-                base = f"x-{base}"
-            form, number = base, 2
-            while form in taken:
-                form, number = f"{base}-{number}", number + 1
-            taken.add(form)
-            self._forms[kind, name] = form
-        return self._forms[kind, name]
-
-    def changed(self) -> list[tuple[str, str, str]]:
-        """(kind, PDDL form, original name) wherever the two differ, sorted."""
-        return sorted((kind, form, name) for (kind, name), form in self._forms.items() if form != name)
-
-
-def write_domain(model: WorldModel, names: PddlNames | None = None) -> str:
+def write_domain(model: WorldModel, style: PddlStyle = PLAIN) -> str:
     """The PDDL domain of ``model``; every action excludes that two of its parameters are one object."""
-    names = names or PddlNames()
+    return _domain(described(model) if style.descriptive else model, PddlNames(style))
+
+
+def _domain(model: WorldModel, names: PddlNames) -> str:
+    name = names.form("domain", model.vocabulary.name)
     types = "\n".join(_type_line(t, names) for t in model.vocabulary.types if t.name != "object" or t.parent)
     predicates = "\n".join(_predicate_line(p, names) for p in model.predicates)
     actions = "\n".join(_action(op, names) for op in model.operators)
     table = "".join(f";@ name {kind} {form} {name}\n" for kind, form, name in names.changed())
     return (
-        f"{table}(define (domain {names.form('domain', model.vocabulary.name)})\n"
+        f"{table}(define (domain {name})\n"
         " (:requirements :strips :typing :equality :negative-preconditions)\n"
         f" (:types\n{types}\n )\n (:predicates\n{predicates}\n )\n{actions}\n)\n"
     )
 
 
 def write_problem(
-    model: WorldModel, name: str, objects: Iterable[Object], initial: AbstractState, goal: Iterable[Atom]
+    model: WorldModel,
+    name: str,
+    objects: Iterable[Object],
+    initial: AbstractState,
+    goal: Iterable[Atom],
+    style: PddlStyle = PLAIN,
 ) -> str:
-    """The PDDL problem of one task of ``model``, for the domain that ``write_domain`` gives."""
-    names = PddlNames()
-    write_domain(model, names)
+    """The PDDL problem of one task of ``model``, for the domain that ``write_domain`` gives in the same style."""
+    names = _names_of_domain(model, style)
     things = "\n".join(f"   {names.form('object', o.name)} - {_type_form(o.type, names)}" for o in sorted(objects))
-    facts = "\n".join(f"   {_atom(a.predicate, [o.name for o in a.objects], names)}" for a in sorted(initial))
-    wanted = " ".join(_atom(a.predicate, [o.name for o in a.objects], names) for a in sorted(goal))
+    facts = "\n".join(f"   {_fact(a, names)}" for a in sorted(initial))
+    wanted = " ".join(_fact(a, names) for a in sorted(goal))
     table = "".join(f";@ name {kind} {form} {original}\n" for kind, form, original in names.changed())
     return (
         f"{table}(define (problem {names.form('problem', name)})\n"
@@ -80,18 +62,27 @@ def write_problem(
     )
 
 
-def write_plan(model: WorldModel, objects: Iterable[Object], plan: Iterable[GroundOperator]) -> str:
+def _names_of_domain(model: WorldModel, style: PddlStyle) -> PddlNames:
+    """The names that the domain file uses, to which those of a problem are added."""
+    names = PddlNames(style)
+    _domain(described(model) if style.descriptive else model, names)
+    return names
+
+
+def write_plan(
+    model: WorldModel, objects: Iterable[Object], plan: Iterable[GroundOperator], style: PddlStyle = PLAIN
+) -> str:
     """A plan as planning competitions write it, one ``(action object ...)`` a line, with the names of the files above.
 
     ``objects`` are all of the task, as given to ``write_problem``.
     """
-    names = PddlNames()
-    write_domain(model, names)
+    names = _names_of_domain(model, style)
     for o in sorted(objects):
         names.form("object", o.name)
+    shown = described(model) if style.descriptive else model
+    action = {op.name: names.form("action", new.name) for op, new in zip(model.operators, shown.operators, strict=True)}
     return "".join(
-        f"({' '.join((names.form('action', s.operator.name), *(names.form('object', o.name) for o in s.objects)))})\n"
-        for s in plan
+        f"({' '.join((action[s.operator.name], *(names.form('object', o.name) for o in s.objects)))})\n" for s in plan
     )
 
 
@@ -109,14 +100,17 @@ def _predicate_line(p: Predicate, names: PddlNames) -> str:
     return f"{line}  ; {p.description}" if p.description else line
 
 
-def _atom(predicate: Predicate, args: Sequence[str], names: PddlNames) -> str:
-    shown = [a if a.startswith("?") else names.form("object", a) for a in args]
-    return f"({' '.join((names.form('predicate', predicate.name), *shown))})"
+def _fact(atom: Atom, names: PddlNames) -> str:
+    objects = (names.form("object", o.name) for o in atom.objects)
+    return f"({' '.join((names.form('predicate', atom.predicate.name), *objects))})"
 
 
 def _action(op: Operator, names: PddlNames) -> str:
     def lifted(atoms: Iterable[LiftedAtom]) -> list[str]:
-        return [_atom(a.predicate, [v.name for v in a.variables], names) for a in sorted(atoms)]
+        return [
+            f"({' '.join((names.form('predicate', a.predicate.name), *(v.name for v in a.variables)))})"
+            for a in sorted(atoms)
+        ]
 
     form = names.form("action", op.name)
     parameters = " ".join(f"{v.name} - {_type_form(v.type, names)}" for v in op.parameters)

@@ -1,0 +1,148 @@
+"""How a folder of PDDL domains fares: read, solved, valid, seconds and plan length, beside other planners.
+
+    python benchmarks/public_pddl.py DIR [--planners quick,fast-downward,pyperplan] [--time-limit 30] [--only WORD]
+
+A problem is every .pddl file that defines one; its domain is the file of the folder that is called ``domain.pddl``,
+like the problem with ``domain`` in its name (``p01-domain.pddl``, ``domain_p01.pddl``), or that alone defines the
+problem's domain. Every planner runs in a process of its own, for so many seconds of processor time, starting included.
+``fast-downward`` (its configuration ``lama-first``) and ``pyperplan`` come with the extra ``planners`` and read the
+files themselves. All plans are checked by the code behind ``pix2pred validate``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from pix2pred.cli.pddl_files import text_of
+from pix2pred.planning.pddl.check import check_plan
+from pix2pred.planning.pddl.read import PddlDomain, PddlProblem, read_domain, read_problem
+from pix2pred.planning.pddl.steps import read_plan
+from pix2pred.registry import RegistryError, planner_names
+from pix2pred.system.errors import Pix2predError
+
+_DEFINES = re.compile(r"\(\s*define\s*\(\s*(domain|problem)\s+([^\s()]+)", re.IGNORECASE)
+_DOMAIN_OF = re.compile(r"\(\s*:domain\s+([^\s()]+)", re.IGNORECASE)
+_OURS = "from pix2pred.cli import main; main()"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem file with its domain file."""
+
+    domain: Path
+    problem: Path
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a planner fared: ``found`` is solved, none, invalid or unread; length of the plan and processor seconds."""
+
+    found: str
+    length: int
+    seconds: float
+
+
+def cases(folder: Path) -> Iterator[Case]:
+    """The problems below ``folder`` for which there is a domain file, sorted."""
+    domains: dict[Path, str] = {}
+    problems: dict[Path, str] = {}
+    for path in sorted(folder.rglob("*.pddl")):
+        text = path.read_bytes().decode("latin-1")
+        code = re.sub(r";[^\n]*", "", text)
+        defined = _DEFINES.search(code)
+        if defined and defined[1].lower() == "domain":
+            domains[path] = defined[2].lower()
+        elif defined and (of := _DOMAIN_OF.search(code)):
+            problems[path] = of[1].lower()
+    for path, name in problems.items():
+        here = [d for d in domains if d.parent == path.parent] or [d for d in domains if d.parent == path.parent.parent]
+        alike = [d for d in here if re.sub(r"[-_]*domain[-_]*", "", d.stem) == path.stem]
+        plain = [d for d in here if d.stem == "domain"]
+        same = [d for d in here if domains[d] == name]
+        found = alike or plain or (same if len(same) == 1 else [])
+        if found:
+            yield Case(found[0], path)
+
+
+def command(planner: str, case: Case, plan: Path) -> list[str]:
+    """What runs ``planner`` so that its plan is written to ``plan``."""
+    files = [str(case.domain), str(case.problem)]
+    if planner == "fast-downward":
+        spec = find_spec("up_fast_downward")
+        assert spec is not None and spec.origin is not None, "the extra 'planners' brings Fast Downward"
+        program = Path(spec.origin).parent / "downward" / "fast-downward.py"
+        return [sys.executable, str(program), "--alias", "lama-first", "--plan-file", str(plan), *files]
+    if planner == "pyperplan":
+        script = "import sys; from pyperplan.__main__ import main; main()"
+        return [sys.executable, "-c", script, "-H", "hff", "-s", "gbf", *files]
+    return [sys.executable, "-c", _OURS, "plan-pddl", *files, "--planner", planner, "--out", str(plan)]
+
+
+def run(planner: str, case: Case, domain: PddlDomain, problem: PddlProblem, limit: int) -> Outcome:
+    """Run ``planner`` in a folder of its own and check what it wrote."""
+    with tempfile.TemporaryDirectory() as folder:
+        plan = Path(folder) / "plan"
+        copy = Case(Path(folder) / "domain.pddl", Path(folder) / "problem.pddl")
+        for source, target in ((case.domain, copy.domain), (case.problem, copy.problem)):
+            target.write_bytes(source.read_bytes())
+        limited = ["sh", "-c", f'ulimit -t {limit}; exec "$@"', "sh", *command(planner, copy, plan)]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            subprocess.run(limited, capture_output=True, cwd=folder, check=False, timeout=10 * limit)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        written = plan if plan.exists() else Path(f"{copy.problem}.soln")
+        if not written.exists():
+            return Outcome("none", 0, seconds)
+        try:
+            checked = check_plan(domain, problem, read_plan(text_of(written), domain, problem))
+        except Pix2predError:
+            return Outcome("invalid", 0, seconds)
+        return Outcome("solved" if checked.valid else "invalid", len(checked.steps), seconds)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--planners", default="quick", help=f"fast-downward, pyperplan, {', '.join(planner_names())}")
+    parser.add_argument("--time-limit", type=int, default=30)
+    parser.add_argument("--only", default="", help="only problems whose path holds this word")
+    parser.add_argument("--first", type=int, default=10**9, help="only so many problems of every domain file")
+    args = parser.parse_args()
+    totals: Counter[tuple[str, str]] = Counter()
+    seen: Counter[Path] = Counter()
+    for case in cases(args.folder):
+        seen[case.domain.parent] += 1
+        if args.only not in str(case.problem) or seen[case.domain.parent] > args.first:
+            continue
+        totals["problems", ""] += 1
+        name = case.problem.relative_to(args.folder)
+        try:
+            domain = read_domain(text_of(case.domain))
+            problem = read_problem(text_of(case.problem), domain)
+        except (Pix2predError, RegistryError) as error:
+            print(f"{name}  not read: {error}", flush=True)
+            continue
+        totals["read", ""] += 1
+        for planner in args.planners.split(","):
+            outcome = run(planner, case, domain, problem, args.time_limit)
+            totals[outcome.found, planner] += 1
+            row = f"{outcome.found:<8} {outcome.length:>4} steps {outcome.seconds:>7.2f} s"
+            print(f"{name!s:<40} {planner:<14} {row}", flush=True)
+    for (what, planner), count in sorted(totals.items()):
+        print(f"{what:<8} {planner:<14} {count}")
+
+
+if __name__ == "__main__":
+    main()
