@@ -12,14 +12,18 @@ from pathlib import Path
 import pytest
 
 from pix2pred.predicates import Labeller, LabelSettings, ProposalSettings, ground_atoms
+from pix2pred.predicates.labelling.again import SecondLook
 from pix2pred.predicates.proposing.propose import proposal_request
-from pix2pred.structs import FromVLM, Predicate
+from pix2pred.structs import FromVLM, Label, Predicate
 from pix2pred.vlm import Request
 from predicates.scripted import COOKED, HOLDING, POOL, ScriptedVLM, demo
 
 SNAPSHOTS = Path(__file__).parents[1] / "data" / "prompts"
 PROMPTS = files("pix2pred.predicates") / "prompts"
-FILES = ("double_check", "label_first", "label_first_terse", "label_next", "propose", "propose_specific")
+FILES = (
+    "double_check", "label_again", "label_against", "label_first", "label_first_terse", "label_next", "propose",
+    "propose_specific",
+)  # fmt: skip
 
 
 def check(name: str, text: str) -> None:
@@ -63,3 +67,15 @@ def test_filled_labels() -> None:
     check("filled_label_next", shown(later))
     check("filled_double_check", shown(again))
     check("filled_label_first_terse", shown(labelling(LabelSettings(attempts=1, style="terse"))[0]))
+
+
+def test_filled_second_looks() -> None:
+    vlm = ScriptedVLM(lambda request: "* cooked(patty1): True. It is brown.")
+    atom = ground_atoms((COOKED,), demo().objects)[0]
+    looking = SecondLook(Labeller(vlm, LabelSettings()))
+    answers = [looking.ask(demo().states[0], 0, demo().objects, atom, number) for number in range(3)]
+    check("filled_label_again", shown(vlm.asked[0]))
+    check("filled_label_against", shown(vlm.asked[1]))
+    assert answers == [Label.TRUE] * 3
+    assert [r.sample for r in vlm.asked] == [0, 0, 1], "a wording that is used again is another sample"
+    assert len({r.key("m") for r in vlm.asked}) == 3

@@ -22,6 +22,7 @@ class Purpose(StrEnum):
     PROPOSE = "propose"
     LABEL = "label"
     DOUBLE_CHECK = "double-check"
+    ASK_AGAIN = "ask-again"
     PLAN = "plan"
     CODE = "code"
     DOCTOR = "doctor"
