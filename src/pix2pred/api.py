@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from pix2pred.demos import Project, StoredTask, read_project, read_task
 from pix2pred.execution import PlannedScene, Solver, plan_scene
+from pix2pred.execution.belief.perception import Believing
 from pix2pred.learning.samplers.file import load_samplers
 from pix2pred.pipeline import Learned, LearningProblem
 from pix2pred.pipeline import learn as learn_world
@@ -191,10 +192,14 @@ def load_solver(
     planner: str,
     *,
     closed_loop: bool = False,
+    ask_again: int | None = None,
     vlm: str | None = None,
     registry: Registry = REGISTRY,
 ) -> tuple[Solver, dict[str, Any]]:
     """A solver with the model, labeller and answer store of a run, and the run's configuration.
+
+    ``ask_again`` is the number of atoms that may be asked about again in one look; by default what a closed loop does,
+    and none in an open one, which then takes labels at their word.
 
     ``vlm`` looks at new scenes in place of the model that labelled the demonstrations: another model, or another way
     to reach the same one, such as ``replay:DIR``. Raises ``RunFolderError``.
@@ -217,7 +222,9 @@ def load_solver(
         raise RunFolderError(f"{folder.path}: was labelled by {labelled_by}, but {spec!r} is {stored.name}")
     labeller = labeller_for(stored, settings.labels, Together(settings.flow.concurrent))
     samplers = load_samplers(folder.path / SAMPLERS) if (folder.path / SAMPLERS).exists() else {}
-    return Solver(model, registry.planner(planner), labeller, closed_loop, samplers=samplers), config
+    perceiving = None if ask_again is None else Believing(ask_again)
+    made = Solver(model, registry.planner(planner), labeller, closed_loop, samplers=samplers, perceiving=perceiving)
+    return made, config
 
 
 def _vlm(vlm: str | VLM, domain: str | None, answers: Path | None, settings: Settings) -> VLM:

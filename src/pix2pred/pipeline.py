@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from pix2pred.learning import Advice, LearningSettings, Selection, advise, hill_climbing
+from pix2pred.learning.invariants import acquaint
 from pix2pred.learning.operators.shared_words import with_shared_words
 from pix2pred.learning.samplers.learn import learn_samplers
 from pix2pred.predicates import (
@@ -191,8 +192,17 @@ def select(
     """
     corrected = corrections.apply(said)
     selection = choose(corrected.table, settings, progress, corrected.pinned)
-    model = WorldModel(vocabulary, selection.selected, selection.operators, labels_from)
+    model = world_model(vocabulary, corrected.table, selection, labels_from)
     return Selected(model, corrected.table, selection)
+
+
+def world_model(vocabulary: Vocabulary, table: TruthTable, selection: Selection, labels_from: str) -> WorldModel:
+    """The model that was selected, with what ``table`` shows about its labels and about what always holds."""
+    predicates = (*vocabulary.initial, *selection.selected)
+    known = acquaint(table, predicates, selection.operators)
+    return WorldModel(
+        vocabulary, selection.selected, selection.operators, labels_from, known.reliability, known.invariants
+    )
 
 
 def fit_samplers(problem: LearningProblem, selected: Selected) -> Mapping[str, Sampler]:

@@ -21,7 +21,7 @@ from pix2pred.execution.monitor import necessary_atoms
 from pix2pred.learning import LearningSettings, learn_operators
 from pix2pred.planning import GreedyBestFirst, Planner
 from pix2pred.predicates import Labeller, LabelSettings
-from pix2pred.structs import AbstractState, Episode, State, WorldModel
+from pix2pred.structs import AbstractState, Episode, State, Turn, WorldModel
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.views import View
 from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
@@ -125,7 +125,7 @@ def test_a_failure_that_repeats_ends_the_episode_with_a_reason(monkeypatch: pyte
     episode = solve(closed_loop=True)
     assert not episode.solved
     assert "failed again" in episode.detail
-    assert len(episode.steps) == 2
+    assert [s.turn for s in episode.steps] == [Turn.FOLLOWED, Turn.REPEATED, Turn.REPEATED]
 
 
 def test_disturbances_are_repeatable_and_keep_worlds_legal() -> None:

@@ -194,7 +194,8 @@ def test_what_no_photo_shows_is_not_assumed_when_the_rest_of_the_step_failed() -
     guided = Guided(plan_scene(solver, task(SERVED(C1))))
     look = guided.observe(photo(1), told=False)
     assert signed(look.absent) == ("+Served(c1)", "+empty0(c1)", "-full0(c1)") and look.assumed == ()
-    guided.observe(photo(2), told=False)  # failed again in a state that looks the same
+    guided.observe(photo(2), told=False)
+    guided.observe(photo(3), told=False)  # failed a third time in a state that looks the same
     assert guided.step is None and "failed again" in guided.ended and not guided.reached
 
 

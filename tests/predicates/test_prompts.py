@@ -14,8 +14,9 @@ import pytest
 
 from pix2pred.predicates import Labeller, LabelProtocol, LabelSettings, ProposalSettings, ground_atoms, labeller_for
 from pix2pred.predicates.frugal.proposing import words_request
+from pix2pred.predicates.labelling.again import SecondLook
 from pix2pred.predicates.proposing.propose import proposal_request
-from pix2pred.structs import FromVLM, Predicate
+from pix2pred.structs import FromVLM, Label, Predicate
 from pix2pred.vlm import Request
 from predicates.scripted import COOKED, HOLDING, POOL, ScriptedVLM, demo
 
@@ -25,6 +26,8 @@ FILES = (
     "double_check",
     "frugal_label",
     "frugal_propose",
+    "label_again",
+    "label_against",
     "label_first",
     "label_first_terse",
     "label_next",
@@ -89,3 +92,15 @@ def test_filled_frugal_prompts() -> None:
     labeller.first(demo().states[0], demo().objects, ground_atoms(known, demo().objects))
     check("filled_frugal_label", shown(vlm.asked[0]))
     check("filled_frugal_label_first", shown(vlm.asked[1]))
+
+
+def test_filled_second_looks() -> None:
+    vlm = ScriptedVLM(lambda request: "* cooked(patty1): True. It is brown.")
+    atom = ground_atoms((COOKED,), demo().objects)[0]
+    looking = SecondLook(Labeller(vlm, LabelSettings()))
+    answers = [looking.ask(demo().states[0], 0, demo().objects, atom, number) for number in range(3)]
+    check("filled_label_again", shown(vlm.asked[0]))
+    check("filled_label_against", shown(vlm.asked[1]))
+    assert answers == [Label.TRUE] * 3
+    assert [r.sample for r in vlm.asked] == [0, 0, 1], "a wording that is used again is another sample"
+    assert len({r.key("m") for r in vlm.asked}) == 3

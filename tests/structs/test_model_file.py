@@ -203,3 +203,28 @@ def test_names_suggest_and_check() -> None:
         names.atom("Full", ["a", "a"], objects)
     with pytest.raises(ValueError, match="takes 2 continuous parameters, found 1"):
         names.action("Push", ["a"], [0.5], objects)
+
+
+def test_reliability_and_invariants_load_back_equal_and_old_files_have_neither(tmp_path: Path) -> None:
+    from pix2pred.structs import FromVLM, LiftedAtom, Predicate, Type, Variable, Vocabulary, WorldModel
+    from pix2pred.structs.knowledge import Implication, MutexGroup, Reliability
+
+    cup = Type("cup")
+    full, empty = (Predicate(name, (cup,), FromVLM(name)) for name in ("full", "empty"))
+    x = Variable("?x", cup)
+    one = MutexGroup((x,), frozenset({LiftedAtom(full, (x,)), LiftedAtom(empty, (x,))}), True, 12)
+    implied = Implication(LiftedAtom(full, (x,)), LiftedAtom(empty, (x,)), 3)
+    model = WorldModel(
+        Vocabulary("tea", (cup,), (), ()), (empty, full), (), "told",
+        (Reliability(full, 0.02, 0.1, 0.5),), (one, implied),
+    )  # fmt: skip
+    path = tmp_path / "model.json"
+    path.write_text(dump_model(model))
+    loaded = load_model(path)
+    assert loaded == model and loaded.reliability == model.reliability and loaded.invariants == model.invariants
+    old = WorldModel(model.vocabulary, model.selected, (), "told")
+    assert "reliability" not in dump_model(old) and "invariants" not in dump_model(old)
+    path.write_text(dump_model(old))
+    assert load_model(path).invariants == ()
+    with pytest.raises(ValueError, match="error must lie between 0 and 1"):
+        Reliability(full, 1.5, 0, 0)

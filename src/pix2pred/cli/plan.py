@@ -13,7 +13,7 @@ from pix2pred.api import load_solver
 from pix2pred.cli.console import UsageError, counted, out, plain, print_json
 from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_missing
 from pix2pred.cli.learn import say_where_questions_wait
-from pix2pred.cli.ranges import output_folder
+from pix2pred.cli.ranges import NOT_NEGATIVE, output_folder
 from pix2pred.demos import read_task
 from pix2pred.execution import PlannedScene, plan_scene
 from pix2pred.execution.explaining.wording import in_words
@@ -62,6 +62,12 @@ def plan(
     planner: Annotated[
         str, Parameter(help="portfolio, astar-lmcut, gbfs-ff, or an engine of the extra 'planners'.")
     ] = "portfolio",
+    ask_again: Annotated[
+        int | None,
+        Parameter(
+            help="Atoms that may be asked about again in one look, when in doubt [default: 4].", validator=NOT_NEGATIVE
+        ),
+    ] = None,
     interactive: Annotated[bool, Parameter(help="Execute the plan with me: name each skill, look at a photo.")] = False,
     photos: Annotated[Path | None, Parameter(help="Take the photos from this folder as they appear there.")] = None,
     retake: Annotated[bool, Parameter(help="Forget the last photo of an interrupted execution.")] = False,
@@ -82,7 +88,7 @@ def plan(
     - `pix2pred plan runs/tea --task data/tasks/monday --interactive --photos ~/Pictures/tea`
     """
     RunFolder(run).config()
-    solver, config = load_solver(RunFolder(run), planner, vlm=vlm, registry=registry)
+    solver, config = load_solver(RunFolder(run), planner, ask_again=ask_again, vlm=vlm, registry=registry)
     said = SceneInWords(goal or (), thing or (), holds or ())
     chosen = _task(RunFolder(run), solver.model, task, photo or (), said)
     say_where_questions_wait(vlm or addresses.reached(config["vlm"], run))

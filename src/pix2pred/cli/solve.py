@@ -40,6 +40,13 @@ def solve(
         str, Parameter(help="portfolio, astar-lmcut, gbfs-ff, or an engine of the extra 'planners'.")
     ] = "portfolio",
     closed_loop: Annotated[bool, Parameter(help="Look after every skill and plan again when needed.")] = False,
+    ask_again: Annotated[
+        int | None,
+        Parameter(
+            help="Atoms that may be asked about again in one look, when in doubt [default: 4; open loop: 0].",
+            validator=NOT_NEGATIVE,
+        ),
+    ] = None,
     disturb: Annotated[
         float, Parameter(help="Probability that the scene is disturbed after a skill.", validator=SHARE)
     ] = 0.0,
@@ -60,7 +67,9 @@ def solve(
     """
     RunFolder(run).config()
     with RunFolder(run).locked() as folder:
-        solver, config = load_solver(folder, planner, closed_loop=closed_loop, vlm=vlm, registry=registry)
+        solver, config = load_solver(
+            folder, planner, closed_loop=closed_loop, ask_again=ask_again, vlm=vlm, registry=registry
+        )
         domain = domain or config["simulator"].get("domain")
         family = family or config["simulator"].get("family")
         chosen, name = _tasks(registry, tasks, solver, domain, family, seed, count, plan_only=plan_only)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from pix2pred.execution.belief.perception import Perception
 from pix2pred.execution.parameters import Parameters, executed
-from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, Pursuit
-from pix2pred.predicates import Abstraction
+from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, GivingUp, Pursuit
 from pix2pred.structs import AbstractState, Action, Atom, ExecutedStep, GroundOperator, PlanResult
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.plans import changes_between, signed
@@ -49,7 +49,8 @@ def open_loop(plan: Sequence[GroundOperator], environment: Environment, paramete
 class ClosedLoop:
     """Looks after every skill and plans again when the atoms that the rest of the plan needs do not hold.
 
-    Gives up when no plan is found, when one skill fails twice in states that look the same, or after ``max_replans``.
+    Gives up when no plan is found, when one skill keeps failing in states that look the same, or after
+    ``max_replans``.
     """
 
     plan_from: Callable[[AbstractState], PlanResult]
@@ -59,14 +60,13 @@ class ClosedLoop:
     def run(
         self,
         plan: Sequence[GroundOperator],
-        seen: AbstractState,
-        abstraction: Abstraction,
+        perception: Perception,
         environment: Environment,
         parameters: Parameters,
     ) -> ExecutionResult:
-        """Execute ``plan``, made in the state ``seen``, with which ``abstraction`` was started."""
+        """Execute ``plan``, made in the state that ``perception`` holds."""
         steps: list[ExecutedStep] = []
-        pursuit = Pursuit(self.plan_from, self.goal, plan, self.max_replans)
+        pursuit = Pursuit(self.plan_from, self.goal, plan, perception, self.max_replans, may_assume=True)
 
         def failed(how: StepStatus | None, why: str) -> ExecutionResult:
             return ExecutionResult(False, how, why, tuple(steps), pursuit.replans)
@@ -74,18 +74,19 @@ class ClosedLoop:
         if environment.goal_reached():
             return ExecutionResult(True, None, "", ())
         try:
-            while (operator := pursuit.next(seen)) is not None:
+            while (operator := pursuit.next()) is not None:
                 action, draw = parameters.choose(operator, environment)
                 step = environment.execute(action)
-                steps.append(executed(operator, action, draw, step))
+                because = tuple(str(a) for a in pursuit.because)
+                steps.append(replace(executed(operator, action, draw, step), turn=pursuit.turn, because=because))
                 if environment.goal_reached():
                     return ExecutionResult(True, None, "", tuple(steps), pursuit.replans)
                 if step.status == StepStatus.HORIZON:
                     return failed(step.status, step.detail)
-                before, seen = seen, abstraction.advance(action, environment.observe())
+                before, seen = perception.state, perception.advance(operator, environment.observe(), step.status)
                 steps[-1] = replace(steps[-1], observed=signed(changes_between(before, seen)))
                 succeeded = step.status == StepStatus.DONE and operator.add <= seen
                 pursuit.executed(str(action), before, succeeded=succeeded)
         except GivenUpError as error:
-            return failed(StepStatus.STUCK if error.stuck else None, str(error))
+            return failed(StepStatus.STUCK if error.kind == GivingUp.STUCK else None, str(error))
         return failed(None, "the goal seems to hold but does not")

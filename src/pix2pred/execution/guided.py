@@ -49,7 +49,7 @@ class Guided:
         self.step: GroundOperator | None = None
         self.ended = ""
         self._pursuit = Pursuit(
-            lambda seen: scene.solver.plan_from(scene.task, seen), scene.task.goal, scene.result.plan
+            lambda seen: scene.solver.plan_from(scene.task, seen), scene.task.goal, scene.result.plan, scene.perception
         )
         if scene.solved:
             self._advance()
@@ -102,14 +102,14 @@ class Guided:
         action = Action(step.operator.skill, step.skill_objects)
         before, kept = self.seen, listed(self.seen)
         state = state if told else replace(state, given=kept)
-        after = self.scene.abstraction.advance(action, state)
+        after = self.scene.perception.advance(step, state, None)
         assumed: tuple[Change, ...] = ()
         if not told and _visible(step.add) <= after and not _visible(step.delete) & after:
             given = (kept - step.delete) | listed(step.add)
             assumed = changes_between(kept, given)
-            after = self.scene.abstraction.relist(given)
+            after = self.scene.perception.relist(given)
         look = Look(
-            step, action, state, self.scene.abstraction.labels, after,
+            step, action, state, self.scene.perception.labels, after,
             effects(step),
             changes(step.add - after, step.delete & after),
             changes(after - before - step.add, before - after - step.delete),
@@ -127,7 +127,7 @@ class Guided:
 
     def _advance(self) -> None:
         try:
-            self.step = self._pursuit.next(self.seen)
+            self.step = self._pursuit.next()
         except GivenUpError as error:
             self.step, self.ended = None, str(error)
 

@@ -1,60 +1,205 @@
-"""Following a plan: which step comes next and when to plan again, given what is seen (method 8.5)."""
+"""Following a plan: which step comes next, when to look again, and when to plan again (method 8.5).
+
+A surprise is first checked and then believed: before the plan is made anew, or given up, the atoms that are the reason
+are asked about again, as far as their values are in doubt. When no plan is found, the plan of the nearest state that
+has one is looked for, and what it rests on is asked about; at last, where nobody minds, it is tried.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from enum import StrEnum
 
+from pix2pred.execution.belief.perception import Perception
+from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.monitor import necessary_atoms
-from pix2pred.structs import AbstractState, Atom, GroundOperator, PlanResult, PlanStatus
+from pix2pred.structs import (
+    AbstractState,
+    Atom,
+    FromVLM,
+    GroundOperator,
+    PlanResult,
+    PlanStatus,
+    Turn,
+    WhyAsked,
+)
 
 MAX_REPLANS = 30
+"""Plans made after the first; an episode that needs more goes in circles."""
+
+MOST_TRIES = 3
+"""Times a skill may fail in states that look the same: with labels that are wrong now and then, once proves little."""
+
+CAUTION = 40.0
+"""What resting on a wrong atom costs, in skills: a wrong step may lead where no learned operator leads away, and then
+all that was done is lost. Tasks of the burger kitchen take 25 to 30 skills, and somebody has to clear up after them."""
+
+MOST_CAUTIONS = 2
+"""Times that the plan avoids to rest on one and the same atom: what stays in doubt then has to be relied on."""
+
+MOST_NAMED = 3
+"""Atoms named in a reason."""
+
+
+class GivingUp(StrEnum):
+    """Why nothing more is tried."""
+
+    REPLANS = "too many plans"
+    NO_PLAN = "no plan any more"
+    STUCK = "a skill fails again and again"
 
 
 class GivenUpError(RuntimeError):
-    """There is nothing left to try; ``stuck`` when a skill failed again in a state that looks the same."""
+    """There is nothing left to try; ``why`` in words for people, ``kind`` for programs."""
 
-    def __init__(self, why: str, *, stuck: bool = False) -> None:
+    def __init__(self, kind: GivingUp, why: str) -> None:
         super().__init__(why)
-        self.stuck = stuck
+        self.kind = kind
 
 
 @dataclass(slots=True)
 class Pursuit:
-    """A plan being followed; made anew when the atoms that its rest needs do not hold in what is seen.
+    """A plan being followed; made anew when the atoms that its rest needs do not hold in what is believed.
 
-    ``position`` is the number of its steps executed, ``replans`` how often it was made anew.
+    ``position`` is the number of its steps executed, ``replans`` how often it was made anew. ``turn`` and ``because``
+    say why the step that ``next`` gave last was chosen. ``may_assume`` lets a plan be tried that rests on what is
+    probably not so, when there is no other.
     """
 
     plan_from: Callable[[AbstractState], PlanResult]
     goal: Sequence[Atom]
     plan: Sequence[GroundOperator]
+    perception: Perception
     max_replans: int = MAX_REPLANS
+    may_assume: bool = False
     position: int = 0
     replans: int = 0
-    _failures: set[tuple[AbstractState, str]] = field(default_factory=set)
+    turn: Turn = Turn.FOLLOWED
+    because: tuple[Atom, ...] = ()
+    _assumed: frozenset[Atom] = frozenset()
+    _cautions: Counter[Atom] = field(default_factory=Counter)
+    _failures: Counter[tuple[AbstractState, str]] = field(default_factory=Counter)
+    _failed: GroundOperator | None = None
 
-    def next(self, seen: AbstractState) -> GroundOperator | None:
+    def next(self) -> GroundOperator | None:
         """The step to execute now; None when the goal seems to hold.
 
         Raises ``GivenUpError`` when no plan is found any more, or after ``max_replans`` new plans.
         """
-        needed = necessary_atoms(self.plan, self.goal)[self.position]
-        if not needed <= seen:
-            if self.replans >= self.max_replans:
-                raise GivenUpError(f"gave up after planning again {self.replans} times")
-            found = self.plan_from(seen)
-            self.replans += 1
-            if found.status != PlanStatus.SOLVED:
-                missing = ", ".join(str(a) for a in sorted(needed - seen)[:3])
-                raise GivenUpError(f"no plan any more ({found.status}) after {missing} turned out not to hold")
-            self.plan, self.position = found.plan, 0
-        return self.plan[self.position] if self.position < len(self.plan) else None
+        self.turn, self.because = Turn.FOLLOWED, ()
+        needed = self._needed()
+        self._check(needed)
+        if not needed <= self.perception.state | self._assumed:
+            self._plan_again(needed)
+        self._be_cautious()
+        chosen = self.plan[self.position] if self.position < len(self.plan) else None
+        if chosen is not None and chosen == self._failed:
+            self.turn = Turn.REPEATED
+        return chosen
 
     def executed(self, action: str, before: AbstractState, *, succeeded: bool) -> None:
-        """The step was tried in the state ``before``. Raises ``GivenUpError`` when it failed there once already."""
+        """The step was tried in the state ``before``. Raises ``GivenUpError`` when it failed there too often."""
+        self._failed = None if succeeded else self.plan[self.position]
         if not succeeded:
-            if (before, action) in self._failures:
-                raise GivenUpError(f"{action} failed again in a state that looks the same", stuck=True)
-            self._failures.add((before, action))
+            self._failures[before, action] += 1
+            if self._failures[before, action] >= MOST_TRIES:
+                raise GivenUpError(GivingUp.STUCK, f"{action} failed again in a state that looks the same")
         self.position += 1
+
+    def _needed(self) -> AbstractState:
+        """What must hold now for the rest of the plan to succeed."""
+        return necessary_atoms(self.plan, self.goal)[self.position]
+
+    def _check(self, needed: AbstractState) -> None:
+        """Ask about what the rest of the plan needs, or is there to bring about, where it is in doubt."""
+        state = self.perception.state | self._assumed
+        surprises = self.perception.possible()
+        self.perception.ask([a for a in surprises if a in needed - state], WhyAsked.SURPRISE)
+        made = {a for step in self.plan[self.position :] for a in step.add if isinstance(a.predicate.source, FromVLM)}
+        self.perception.ask(self.perception.doubts(needed | (made - state)), WhyAsked.IN_DOUBT)
+
+    def _be_cautious(self) -> None:
+        """Take a plan that does not rest on what is in doubt, if it is not much longer."""
+        needed = self._needed() & self.perception.state
+        doubted = [a for a in self.perception.doubts(needed) if self._cautions[a] < MOST_CAUTIONS]
+        safer = safer_plan(self.plan_from, self.perception, doubted, len(self.plan) - self.position)
+        if safer is not None:
+            self._cautions.update(doubted)
+            self._adopt(safer, Turn.CAUTIOUS, doubted, ())
+
+    def _plan_again(self, needed: AbstractState) -> None:
+        lacking = needed - self.perception.state - self._assumed
+        if self.replans >= self.max_replans:
+            why = f"gave up after planning again {self.replans} times"
+            raise GivenUpError(GivingUp.REPLANS, why)
+        self.replans += 1
+        found = self.plan_from(self.perception.state)
+        if found.status == PlanStatus.SOLVED:
+            self._adopt(found.plan, Turn.PLANNED_AGAIN, lacking, ())
+            return
+        nearest = nearest_plan(self.plan_from, self.goal, self.perception)
+        if nearest is None or (nearest.assumed and not self.may_assume):
+            missing = ", ".join(str(a) for a in sorted(lacking)[:MOST_NAMED])
+            why = f"no plan any more ({found.status}) after {missing} turned out not to hold"
+            raise GivenUpError(GivingUp.NO_PLAN, why)
+        turn = Turn.ASSUMED if nearest.assumed else Turn.PLANNED_AGAIN
+        self._adopt(nearest.plan, turn, nearest.assumed or lacking, nearest.assumed)
+
+    def _adopt(
+        self, plan: Sequence[GroundOperator], turn: Turn, because: Iterable[Atom], assumed: Iterable[Atom]
+    ) -> None:
+        self.plan, self.position, self.turn = plan, 0, turn
+        self.because, self._assumed = tuple(sorted(because)), frozenset(assumed)
+
+
+def safer_plan(
+    plan_from: Callable[[AbstractState], PlanResult], perception: Perception, doubted: Sequence[Atom], length: int
+) -> Sequence[GroundOperator] | None:
+    """A plan that works even if the atoms ``doubted``, which probably hold, do not; None when it costs too much.
+
+    It may be longer than the plan at hand, of ``length`` steps, by what that one risks: ``CAUTION`` times the
+    probability that an atom it rests on does not hold.
+    """
+    if not doubted:
+        return None
+    found = plan_from(perception.state - set(doubted))
+    risk = 1 - math.prod(perception.probability(a) for a in doubted)
+    if found.status == PlanStatus.SOLVED and len(found.plan) <= length + CAUTION * risk:
+        return found.plan
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class NearestPlan:
+    """A plan that exists if the atoms ``assumed``, which are taken for false, hold; none when the belief changed."""
+
+    plan: Sequence[GroundOperator]
+    assumed: tuple[Atom, ...]
+
+
+def nearest_plan(
+    plan_from: Callable[[AbstractState], PlanResult], goal: Iterable[Atom], perception: Perception
+) -> NearestPlan | None:
+    """A plan from the nearest state that has one, after what differs was asked about; None when there is none.
+
+    Preconditions are positive, so that there is a plan from some state in doubt if and only if there is one from the
+    state in which all atoms hold that may hold. Of these the probable ones are tried first.
+    """
+    possible = perception.possible()
+    for count in sorted({1, len(possible) // 2, len(possible)} - {0}):
+        if count > len(possible):
+            break
+        found = plan_from(perception.state | set(possible[:count]))
+        if found.status != PlanStatus.SOLVED:
+            continue
+        rests_on = initial_needs(found.plan, goal)
+        differ = tuple(a for a in possible if a in rests_on)
+        if perception.ask(differ, WhyAsked.NO_PLAN):
+            again = plan_from(perception.state)
+            if again.status == PlanStatus.SOLVED:
+                return NearestPlan(again.plan, ())
+        return NearestPlan(found.plan, tuple(a for a in differ if a not in perception.state))
+    return None

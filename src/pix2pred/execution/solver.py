@@ -5,12 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from pix2pred.execution.belief.perception import AtTheirWord, Believing, Perceiving, Perception
 from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, open_loop
 from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
+from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
+from pix2pred.execution.pursuit import nearest_plan, safer_plan
 from pix2pred.planning import TaskPlanner
-from pix2pred.predicates import Abstraction, StateLabeller
-from pix2pred.structs import AbstractState, Episode, Failure, FromVLM, PlanResult, PlanStatus, Task, WorldModel
+from pix2pred.predicates import StateLabeller
+from pix2pred.structs import (
+    AbstractState,
+    Episode,
+    Failure,
+    FromVLM,
+    PlanResult,
+    PlanStatus,
+    Task,
+    WhyAsked,
+    WorldModel,
+)
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.samplers import Sampler
 
@@ -20,8 +33,9 @@ class Solver:
     """Solves tasks with one world model.
 
     ``closed_loop`` looks after every skill and plans again when needed; otherwise one plan is executed open loop, as
-    the paper does in simulation. ``max_skills`` is the longest plan accepted. ``samplers`` choose continuous
-    parameters, by operator; their draws depend on ``seed`` and the task alone.
+    the paper does in simulation. ``perceiving`` makes what knows the states: by default a belief in the closed loop,
+    and labels taken at their word in the open one. ``max_skills`` is the longest plan accepted. ``samplers`` choose
+    continuous parameters, by operator; their draws depend on ``seed`` and the task alone.
     """
 
     model: WorldModel
@@ -31,10 +45,11 @@ class Solver:
     max_skills: int = 200
     samplers: Mapping[str, Sampler] = field(default_factory=dict)
     seed: int = 0
+    perceiving: Perceiving | None = None
 
     def plan(self, task: Task) -> tuple[AbstractState, PlanResult]:
         """What is seen of the initial state, and the plan made from it. Needs no simulator."""
-        seen = self.abstraction(task).start(task.initial)
+        seen = self.perception(task).start(task.initial)
         return seen, self.plan_from(task, seen)
 
     def solve(
@@ -49,13 +64,14 @@ class Solver:
         ``announce`` is told every step before it is run.
         """
         environment.reset()
-        abstraction = self.abstraction(task)
-        seen = abstraction.start(task.initial)
-        result = self.plan_from(task, seen)
+        perception = self.perception(task)
+        perception.start(task.initial)
+        result = self.first_plan(task, perception)
+        seen = perception.state
         outcome = None
         if result.status == PlanStatus.SOLVED and self.closed_loop:
             loop = ClosedLoop(lambda now: self.plan_from(task, now), task.goal)
-            outcome = loop.run(result.plan, seen, abstraction, environment, self._parameters(task, announce))
+            outcome = loop.run(result.plan, perception, environment, self._parameters(task, announce))
         elif result.status == PlanStatus.SOLVED:
             outcome = open_loop(result.plan, environment, self._parameters(task, announce))
         failure: Failure | None = None
@@ -72,19 +88,41 @@ class Solver:
             errors,
             result.nodes,
             outcome.replans if outcome else 0,
+            tuple(perception.questions),
+            perception.suspects,
         )
-
-    def abstraction(self, task: Task) -> Abstraction:
-        """What labels the states of one episode of ``task``."""
-        return Abstraction(task.objects, self.model.predicates, self.labeller, about=f"task {task.name}")
 
     def look_ahead(self, tasks: Sequence[Task]) -> None:
         """Have the first states of all ``tasks`` labelled side by side, so that they need not wait for one another.
 
         Only for a model that keeps its answers: they are asked for again, and then found, when a task is solved.
         """
-        for _ in self.labeller.together.map(lambda task: self.abstraction(task).start(task.initial), tasks):
+        for _ in self.labeller.together.map(lambda task: self.perception(task).start(task.initial), tasks):
             pass
+
+    def perception(self, task: Task) -> Perception:
+        """What knows the states of one episode of ``task``."""
+        perceiving = self.perceiving or (Believing() if self.closed_loop else AtTheirWord)
+        return perceiving(self.model, task, self.labeller)
+
+    def first_plan(self, task: Task, perception: Perception) -> PlanResult:
+        """A plan from what ``perception`` holds, after the atoms in doubt that it rests on were asked about again.
+
+        Without a plan, what the nearest state with a plan differs in is asked about first.
+        """
+        found = self.plan_from(task, perception.state)
+        if found.status == PlanStatus.SOLVED:
+            resting = initial_needs(found.plan, task.goal)
+            made = {atom for step in found.plan for atom in step.add} - perception.state
+            if perception.ask(perception.doubts(resting | made), WhyAsked.IN_DOUBT):
+                found = self.plan_from(task, perception.state)
+            doubted = perception.doubts(initial_needs(found.plan, task.goal) & perception.state)
+            safer = safer_plan(lambda state: self.plan_from(task, state), perception, doubted, len(found.plan))
+            return found if safer is None else PlanResult(found.status, tuple(safer), found.nodes, found.seconds)
+        nearest = nearest_plan(lambda state: self.plan_from(task, state), task.goal, perception)
+        if nearest is None or (nearest.assumed and not self.closed_loop):
+            return found
+        return PlanResult(PlanStatus.SOLVED, tuple(nearest.plan), found.nodes, found.seconds)
 
     def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
         return Parameters.for_task(self.samplers, self.seed, task, announce)

@@ -72,6 +72,7 @@ class LabelView:
     value: str
     source: str
     probability: str
+    believed: str
     why: str
     crop: str
     used: tuple[str, ...]
@@ -148,6 +149,7 @@ def _label(scene: PlannedScene, atom: Atom, *, crop: bool = True) -> LabelView:
     return LabelView(
         str(atom), word, _SOURCES[source_name(atom.predicate.source)],
         "" if probability is None else f"{100 * probability:.0f} %",
+        f"{100 * scene.believed[atom]:.1f} %" if atom in scene.believed else "",
         scene.said.get(atom, ""),
         _crop(scene.task.initial, atom) if crop and isinstance(atom.predicate.source, FromVLM) else "",
         tuple(used[:MOST_USES]),

@@ -201,6 +201,8 @@ def _label_doc(scene: PlannedScene, atom: Atom) -> dict[str, Any]:
     doc: dict[str, Any] = {"atom": str(atom), "source": source_name(atom.predicate.source)}
     if atom in scene.labels.confidence:
         doc["confidence"] = round(scene.labels.confidence[atom], 4)
+    if atom in scene.believed:
+        doc["believed"] = round(scene.believed[atom], 4)
     return doc | ({"said": scene.said[atom]} if atom in scene.said else {})
 
 

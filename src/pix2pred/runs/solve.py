@@ -11,7 +11,7 @@ from pix2pred.execution import Solver, TruthOf
 from pix2pred.execution.film import Film, FilmedEpisode
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import SOLVED, SUMMARY
-from pix2pred.structs import Episode, ExecutedStep, Failure
+from pix2pred.structs import Episode, ExecutedStep, Failure, Question, Turn
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.system.progress import Progress, Stage
 
@@ -84,6 +84,20 @@ def episode_doc(episode: Episode) -> Mapping[str, Any]:
         "label_errors": list(episode.label_errors),
         "nodes": episode.nodes,
         "replans": episode.replans,
+        **({"asked_again": [_question_doc(q) for q in episode.questions]} if episode.questions else {}),
+        **({"suspects": [str(a) for a in episode.suspects]} if episode.suspects else {}),
+    }
+
+
+def _question_doc(question: Question) -> dict[str, Any]:
+    return {
+        "state": question.state,
+        "atom": str(question.atom),
+        "why": question.why.value,
+        "answers": list(question.answers),
+        "before": question.before,
+        "after": question.after,
+        "changed": question.changed,
     }
 
 
@@ -95,4 +109,6 @@ def _step_doc(step: ExecutedStep) -> dict[str, Any]:
         "detail": step.detail,
         "observed": None if step.observed is None else list(step.observed),
     }
+    if step.turn != Turn.FOLLOWED:
+        doc |= {"turn": step.turn.value, "because": list(step.because)}
     return doc | ({"sampler": step.sampler, "rejections": step.rejections} if step.sampler else {})

@@ -21,6 +21,10 @@ class Type:
     features: tuple[str, ...] = ()
     parent: Type | None = None
 
+    def __hash__(self) -> int:
+        """By name: atoms are hashed all the time, and two things that differ in nothing but the rest are rare."""
+        return hash(self.name)
+
     def is_a(self, other: Type) -> bool:
         """Whether this type is ``other`` or has it among its ancestors."""
         node: Type | None = self
@@ -41,6 +45,9 @@ class Object:
     name: str
     type: Type
     descriptor: str = ""
+
+    def __hash__(self) -> int:
+        return hash(self.name)
 
     @property
     def prompt_name(self) -> str:

@@ -49,12 +49,48 @@ class Failure(StrEnum):
     UNDETERMINED = "undetermined"
 
 
+class Turn(StrEnum):
+    """Why a step of an episode was chosen."""
+
+    FOLLOWED = "the plan goes on"
+    PLANNED_AGAIN = "the plan was made anew"
+    REPEATED = "the skill had failed and is tried again"
+    ASSUMED = "the plan rests on what is in doubt"
+    CAUTIOUS = "the plan avoids to rest on what is in doubt"
+
+
+class WhyAsked(StrEnum):
+    """Why an atom was asked about again."""
+
+    IN_DOUBT = "the plan rests on it and its value is in doubt"
+    SURPRISE = "it is not as the plan expects it"
+    NO_PLAN = "there would be a plan if it were otherwise"
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """An atom asked about again in the state with number ``state``.
+
+    ``before`` and ``after`` are the probabilities that it holds, before the first answer and after the last;
+    ``answers`` are true, false or unknown. ``changed`` says that the state from which planning goes on changed.
+    """
+
+    state: int
+    atom: Atom
+    why: WhyAsked
+    answers: tuple[str, ...]
+    before: float
+    after: float
+    changed: bool
+
+
 @dataclass(frozen=True, slots=True)
 class ExecutedStep:
     """One skill of an episode: what was run and how it ended.
 
     For a skill with continuous parameters also which sampler chose them, and how many draws it rejected before.
-    ``observed`` are the changes seen afterwards, ``+`` for what became true; None where nobody looked.
+    ``observed`` are the changes seen afterwards, ``+`` for what became true; None where nobody looked. ``turn`` says
+    why the step was chosen, ``because`` which atoms were the reason.
     """
 
     action: str
@@ -64,6 +100,8 @@ class ExecutedStep:
     sampler: str = ""
     rejections: int = 0
     observed: tuple[str, ...] | None = None
+    turn: Turn = Turn.FOLLOWED
+    because: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +109,8 @@ class Episode:
     """One task tried once. ``failure`` is None exactly when the task was solved.
 
     ``labels`` are the visual atoms the (first) plan rests on; ``label_errors`` lists labels known to be
-    wrong, where a ground truth exists; ``replans`` counts plans made after the first.
+    wrong, where a ground truth exists; ``replans`` counts plans made after the first. ``questions`` are the atoms asked
+    about again; ``suspects`` those whose labels contradict all else that is known. Episodes of before have neither.
     """
 
     task: str
@@ -83,6 +122,8 @@ class Episode:
     label_errors: tuple[str, ...]
     nodes: int | None
     replans: int = 0
+    questions: tuple[Question, ...] = ()
+    suspects: tuple[Atom, ...] = ()
 
     @property
     def solved(self) -> bool:

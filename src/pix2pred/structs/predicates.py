@@ -92,6 +92,9 @@ class Predicate:
     source: Source = field(compare=False)
     description: str = field(default="", compare=False)
 
+    def __hash__(self) -> int:
+        return hash(self.name)
+
     @property
     def arity(self) -> int:
         """Number of arguments."""

@@ -26,6 +26,7 @@ class Purpose(StrEnum):
     HISTORY = "label-history"
     """Labels of several states in one answer: the frugal protocol's labels."""
     DOUBLE_CHECK = "double-check"
+    ASK_AGAIN = "ask-again"
     PLAN = "plan"
     CODE = "code"
     DOCTOR = "doctor"

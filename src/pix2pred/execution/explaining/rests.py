@@ -31,5 +31,10 @@ def needs(plan: Sequence[GroundOperator], goal: Iterable[Atom]) -> tuple[tuple[N
     return (*found, _needs(goal, makers))
 
 
+def initial_needs(plan: Sequence[GroundOperator], goal: Iterable[Atom]) -> frozenset[Atom]:
+    """The atoms of the initial state that the plan and the goal need."""
+    return frozenset(n.atom for step in needs(plan, goal) for n in step if n.by is None)
+
+
 def _needs(atoms: Iterable[Atom], makers: dict[Atom, int]) -> tuple[Need, ...]:
     return tuple(Need(a, makers.get(a)) for a in sorted(atoms))

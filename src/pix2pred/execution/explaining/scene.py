@@ -6,10 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from pix2pred.execution.belief.perception import Believing, Perception
+from pix2pred.execution.belief.unlabelled import unlabelled
 from pix2pred.execution.explaining.missing import Missing, missing
 from pix2pred.execution.explaining.rests import Need, needs
 from pix2pred.execution.solver import Solver
-from pix2pred.predicates import Abstraction, StateLabels
+from pix2pred.predicates import StateLabels
 from pix2pred.predicates.labelling.explanations import explanations
 from pix2pred.predicates.prompt import atom_text
 from pix2pred.structs import (
@@ -17,7 +19,6 @@ from pix2pred.structs import (
     Atom,
     FromDomain,
     FromHuman,
-    Label,
     PlanResult,
     PlanStatus,
     Task,
@@ -28,15 +29,18 @@ from pix2pred.structs import (
 class PlannedScene:
     """What was seen of a task's initial state and the plan made from it.
 
-    ``labels`` are the model's answers; ``abstraction`` goes on from here when somebody executes the plan.
+    ``labels`` are the model's answers; ``perception`` holds what is believed, and goes on
+    from here when somebody executes the plan. ``believed`` are the probabilities of the visual atoms when the plan was
+    made.
     """
 
     solver: Solver
     task: Task
-    abstraction: Abstraction
+    perception: Perception
     labels: StateLabels
     seen: AbstractState
     result: PlanResult
+    believed: Mapping[Atom, float]
 
     @property
     def solved(self) -> bool:
@@ -87,12 +91,6 @@ class PlannedScene:
         return tuple(a for a in self.unlabelled if a in used)
 
 
-def unlabelled(labels: StateLabels) -> tuple[Atom, ...]:
-    """The atoms of ``labels`` without a value, or whose value is unknown, sorted."""
-    without = {text for gap in labels.gaps for text in gap.atoms}
-    return tuple(sorted(a for a, v in labels.values.items() if v == Label.UNKNOWN or atom_text(a) in without))
-
-
 def said(labels: StateLabels) -> dict[Atom, str]:
     """The words with which a model explained ``labels``, where it did."""
     texts = {a: atom_text(a) for a in labels.values}
@@ -102,9 +100,11 @@ def said(labels: StateLabels) -> dict[Atom, str]:
 
 def plan_scene(solver: Solver, task: Task) -> PlannedScene:
     """Label the photos of ``task``, and plan. Raises ``UnusableAnswersError`` when the model labels nothing."""
-    abstraction = solver.abstraction(task)
-    seen = abstraction.start(task.initial)
-    return PlannedScene(solver, task, abstraction, abstraction.labels, seen, solver.plan_from(task, seen))
+    perception = (solver.perceiving or Believing())(solver.model, task, solver.labeller)
+    perception.start(task.initial)
+    result = solver.first_plan(task, perception)
+    believed = {atom: perception.probability(atom) for atom in perception.labels.values}
+    return PlannedScene(solver, task, perception, perception.labels, perception.state, result, believed)
 
 
 def listed(atoms: Iterable[Atom]) -> frozenset[Atom]:

@@ -34,6 +34,7 @@ def _domain(model: WorldModel, names: PddlNames) -> str:
     predicates = "\n".join(_predicate_line(p, names) for p in model.predicates)
     actions = "\n".join(_action(op, names) for op in model.operators)
     table = "".join(f";@ name {kind} {form} {name}\n" for kind, form, name in names.changed())
+    table += "".join(f"; invariant: {invariant}\n" for invariant in model.invariants)
     return (
         f"{table}(define (domain {name})\n"
         " (:requirements :strips :typing :equality :negative-preconditions)\n"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from pix2pred.predicates.labelling.asking import Gap, Occurrence
+from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.structs import Action, Atom, Demo, Label, Object, State
 from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, Together
@@ -61,6 +62,11 @@ class StateLabeller(Protocol):
     @property
     def vlm(self) -> VLM:
         """The model that is asked."""
+        ...
+
+    @property
+    def settings(self) -> LabelSettings:
+        """How it asks."""
         ...
 
     @property

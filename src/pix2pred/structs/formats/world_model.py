@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import ValidationError
 
 from pix2pred.structs.formats.building import build_operator, build_predicate, build_vocabulary, check_triggers
 from pix2pred.structs.formats.documents import Document, OperatorDoc, PredicateDoc, VocabularyDoc
+from pix2pred.structs.formats.knowledge import (
+    ImplicationDoc,
+    MutexGroupDoc,
+    ReliabilityDoc,
+    build_invariant,
+    build_reliability,
+    invariant_doc,
+    reliability_doc,
+)
 from pix2pred.structs.formats.names import DeclaredNames, check_distinct
 from pix2pred.structs.formats.writing import operator_doc, predicate_doc, vocabulary_doc
 from pix2pred.structs.world_model import WorldModel
@@ -31,11 +40,13 @@ class WorldModelDoc(Document):
     vocabulary: VocabularyDoc
     selected: tuple[PredicateDoc, ...]
     operators: tuple[OperatorDoc, ...]
+    reliability: tuple[ReliabilityDoc, ...] = ()
+    invariants: tuple[MutexGroupDoc | ImplicationDoc, ...] = ()
 
 
 def dump_model(model: WorldModel) -> str:
     """The JSON text of ``model``; equal models give equal text."""
-    document = {
+    document: dict[str, Any] = {
         "format": "pix2pred-world-model",
         "version": VERSION,
         "labels_from": model.labels_from,
@@ -43,6 +54,10 @@ def dump_model(model: WorldModel) -> str:
         "selected": [predicate_doc(p) for p in model.selected],
         "operators": [operator_doc(op) for op in model.operators],
     }
+    if model.reliability:
+        document["reliability"] = [reliability_doc(r) for r in model.reliability]
+    if model.invariants:
+        document["invariants"] = [invariant_doc(i) for i in model.invariants]
     return json.dumps(document, indent=1) + "\n"
 
 
@@ -80,4 +95,11 @@ def _build_model(doc: WorldModelDoc) -> WorldModel:
     for predicate in selected:
         check_triggers(predicate, vocabulary.skills)
     names = DeclaredNames(vocabulary.types, vocabulary.skills, predicates)
-    return WorldModel(vocabulary, selected, tuple(build_operator(o, names) for o in doc.operators), doc.labels_from)
+    return WorldModel(
+        vocabulary,
+        selected,
+        tuple(build_operator(o, names) for o in doc.operators),
+        doc.labels_from,
+        tuple(build_reliability(r, names) for r in doc.reliability),
+        tuple(build_invariant(i, names) for i in doc.invariants),
+    )

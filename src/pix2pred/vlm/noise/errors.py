@@ -1,0 +1,164 @@
+"""Kinds of errors to test acting with: which labels of a model are turned round, and when the error is repeated.
+
+For studies and tests alone: nothing that users run offers them, and the model's name says what was done to it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from pix2pred.vlm.offline.prompt_format import current_views
+from pix2pred.vlm.request import VLM, Answer, Purpose, Request
+
+_VALUE = re.compile(r"^([* ]*)([A-Za-z_]\w*)\(([^()]*)\): (True|False)\b", re.MULTILINE)
+_ACTION = re.compile(r"^Executed skill: \w+\[(.*)\]$", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A label to be given: of which word and objects, in which question, about which picture of which state."""
+
+    word: str
+    names: tuple[str, ...]
+    question: str
+    picture: str
+    state: int
+
+    @property
+    def atom(self) -> str:
+        """The atom as text."""
+        return f"{self.word}({', '.join(self.names)})"
+
+
+class Errors(Protocol):
+    """Which labels are wrong."""
+
+    @property
+    def name(self) -> str:
+        """What distinguishes these errors from others, seed and rate included."""
+        ...
+
+    def notice(self, request: Request) -> None:
+        """A question comes in; errors may depend on what it tells about the episode."""
+        ...
+
+    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+        """What is said in place of ``value``; None stands for unknown."""
+        ...
+
+
+def draw(*words: object) -> float:
+    """A number in [0, 1) that the words alone decide."""
+    text = "|".join(map(str, words))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56
+
+
+@dataclass(frozen=True, slots=True)
+class _Stateless:
+    rate: float
+    seed: int
+
+    @property
+    def name(self) -> str:
+        return f"{type(self).__name__}:{self.rate}:{self.seed}"
+
+    def notice(self, request: Request) -> None:
+        """Nothing about the episode matters."""
+
+
+@dataclass(frozen=True, slots=True)
+class PerQuestion(_Stateless):
+    """Every answer errs for itself: asking again, in other words, may give another one."""
+
+    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+        wrong = draw(self.seed, asked.question, asked.atom) < self.rate
+        return value != wrong
+
+
+@dataclass(frozen=True, slots=True)
+class PerPicture(_Stateless):
+    """An atom is misread in a picture however often it is asked about there, and maybe not in the next picture."""
+
+    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+        wrong = draw(self.seed, asked.picture, asked.atom) < self.rate
+        return value != wrong
+
+
+@dataclass(frozen=True, slots=True)
+class Hidden(_Stateless):
+    """Unknown in place of a value, whenever an atom is asked about in one picture."""
+
+    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+        return None if draw(self.seed, asked.picture, asked.atom) < self.rate else value
+
+
+@dataclass(frozen=True, slots=True)
+class Systematic(_Stateless):
+    """A word is always misread of some objects, a share ``rate`` of those whose name begins with ``kind``."""
+
+    word: str = ""
+    kind: str = ""
+
+    @property
+    def name(self) -> str:
+        return f"Systematic:{self.rate}:{self.seed}:{self.word}:{self.kind}"
+
+    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+        concerned = asked.word == self.word and any(n.startswith(self.kind) for n in asked.names)
+        return value != (concerned and draw(self.seed, asked.atom) < self.rate)
+
+
+@dataclass(slots=True)
+class UntilTouched:
+    """An atom is misread until a skill touches one of its objects; then it is drawn anew. Of one episode alone."""
+
+    rate: float
+    seed: int
+    _touched: dict[int, frozenset[str]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return f"UntilTouched:{self.rate}:{self.seed}"
+
+    def notice(self, request: Request) -> None:
+        """Remember which objects the skill before the asked state was about."""
+        match = _ACTION.search(request.text)
+        state = max((v.state for v in request.views), default=0)
+        if match is not None:
+            self._touched[state] = frozenset(part.partition(":")[0].strip() for part in match[1].split(","))
+
+    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+        touches = sum(not names.isdisjoint(asked.names) for t, names in self._touched.items() if t <= asked.state)
+        return value != (draw(self.seed, asked.atom, touches) < self.rate)
+
+
+@dataclass(frozen=True, slots=True)
+class ErringVLM:
+    """Passes requests on, and spoils True and False labels in the answers as ``errors`` say; proposals are kept."""
+
+    model: VLM
+    errors: Errors
+
+    @property
+    def name(self) -> str:
+        return f"{self.model.name}+{self.errors.name}"
+
+    def answer(self, request: Request) -> Answer:
+        answer = self.model.answer(request)
+        views = current_views(request.views)
+        if request.purpose == Purpose.PROPOSE or not views:
+            return answer
+        self.errors.notice(request)
+        question, picture, state = request.key(self.model.name), views[0].picture.image.digest, views[0].state
+        words = {True: "True", False: "False", None: "Unknown"}
+
+        def value(match: re.Match[str]) -> str:
+            names = tuple(n.strip() for n in match[3].split(","))
+            asked = Asked(match[2], names, question, picture, state)
+            said = self.errors.spoilt(asked, match[4] == "True")
+            return f"{match[1]}{match[2]}({match[3]}): {words[said]}"
+
+        return Answer(_VALUE.sub(value, answer.text), answer.stored)

@@ -1,0 +1,300 @@
+"""What is believed given labels that are sometimes wrong: worked by hand, and as laws."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pix2pred.execution.belief.belief import Belief, Reading
+from pix2pred.execution.belief.constraints import Constraints
+from pix2pred.execution.belief.evidence import Answers, log_odds, probability_of
+from pix2pred.execution.belief.perception import AtTheirWord, Believing
+from pix2pred.execution.pursuit import GivenUpError, GivingUp, Pursuit, nearest_plan, safer_plan
+from pix2pred.planning import AStar, Planner
+from pix2pred.predicates import Labeller, LabelSettings
+from pix2pred.structs import (
+    AbstractState,
+    Atom,
+    FromDomain,
+    FromVLM,
+    GroundOperator,
+    Image,
+    LiftedAtom,
+    Object,
+    Operator,
+    Picture,
+    PlanResult,
+    Predicate,
+    Skill,
+    State,
+    Task,
+    Turn,
+    Type,
+    Variable,
+    Vocabulary,
+    WhyAsked,
+    WorldModel,
+)
+from pix2pred.structs.environment import StepStatus
+from pix2pred.structs.knowledge import Implication, MutexGroup, Reliability
+from pix2pred.vlm import Answer, Request
+from pix2pred.vlm.offline.prompt_format import asked_atoms
+from pix2pred.vlm.request import Purpose
+
+HAND, THING = Type("hand"), Type("thing")
+H, A, B = Object("h", HAND), Object("a", THING), Object("b", THING)
+X, Y = Variable("?x", HAND), Variable("?y", THING)
+FREE = Predicate("free0", (HAND,), FromVLM("free"))
+DONE = Predicate("done0", (THING,), FromVLM("done"))
+HOLDING = Predicate("Holding", (HAND, THING), FromDomain())
+PACKED = Predicate("Packed", (THING,), FromDomain())
+TAKE, PREPARE, PACK = Skill("Take", (HAND, THING)), Skill("Prepare", (THING,)), Skill("Pack", (HAND, THING))
+
+
+def operator(name: str, skill: Skill, variables: Sequence[Variable], *atoms: set[LiftedAtom]) -> Operator:
+    pre, add, delete = (frozenset(group) for group in atoms)
+    return Operator(name, tuple(variables), pre, add, delete, skill, tuple(variables))
+
+
+def lifted(predicate: Predicate, *variables: Variable) -> LiftedAtom:
+    return LiftedAtom(predicate, variables)
+
+
+OPERATORS = (
+    operator("Prepare", PREPARE, [Y], set(), {lifted(DONE, Y)}, set()),
+    operator("Take", TAKE, [X, Y], {lifted(FREE, X), lifted(DONE, Y)}, {lifted(HOLDING, X, Y)}, {lifted(FREE, X)}),
+    operator(
+        "Pack", PACK, [X, Y],
+        {lifted(HOLDING, X, Y)}, {lifted(PACKED, Y), lifted(FREE, X)}, {lifted(HOLDING, X, Y)},
+    ),
+)  # fmt: skip
+ONE_HAND = MutexGroup((X,), frozenset({lifted(FREE, X), lifted(HOLDING, X, Y)}), True, 100)
+PACKED_IS_DONE = Implication(lifted(PACKED, Y), lifted(DONE, Y), 2000)
+RELIABILITY = (Reliability(DONE, 0.02, 0.0, 0.02), Reliability(FREE, 0.02, 0.0, 0.95))
+VOCABULARY = Vocabulary("packing", (HAND, THING), (TAKE, PREPARE, PACK), (HOLDING, PACKED))
+MODEL = WorldModel(VOCABULARY, (DONE, FREE), OPERATORS, "told", RELIABILITY, (ONE_HAND, PACKED_IS_DONE))
+PREPARE_A = OPERATORS[0].ground((A,))
+TAKE_A = OPERATORS[1].ground((H, A))
+
+
+def belief() -> Belief:
+    return Belief(MODEL, (H, A, B))
+
+
+def labels(**values: bool) -> dict[Atom, Reading]:
+    atoms = {"free": FREE(H), "a": DONE(A), "b": DONE(B)}
+    return {atoms[name]: Reading(value) for name, value in values.items()}
+
+
+def test_a_first_look_weighs_labels_against_first_states_of_demonstrations() -> None:
+    found = belief()
+    found.start(frozenset(), labels(free=True, a=True))
+    error, first = 0.02, 0.02
+    expected = first * (1 - error) / (first * (1 - error) + (1 - first) * error)
+    assert found.probability(DONE(A)) == pytest.approx(expected)
+    assert found.doubted(DONE(A)) and not found.doubted(FREE(H))
+    assert found.probability(DONE(B)) == pytest.approx(first), "no label is no evidence"
+
+
+def test_an_invariant_with_a_given_atom_repairs_a_wrong_label() -> None:
+    found = belief()
+    found.start(frozenset({HOLDING(H, A)}), labels(free=True))
+    assert FREE(H) not in found.state and HOLDING(H, A) in found.state
+    found = belief()
+    found.start(frozenset({PACKED(A)}), labels(free=True, b=False))
+    assert DONE(A) in found.state and DONE(B) not in found.state
+
+
+def test_given_atoms_are_certain_whatever_is_seen() -> None:
+    found = belief()
+    found.start(frozenset({PACKED(B)}), {})
+    assert found.odds(PACKED(B)) == math.inf and found.odds(PACKED(A)) == -math.inf
+    assert not found.doubted(PACKED(A))
+
+
+def test_one_wrong_label_is_not_believed_but_a_change_that_is_seen_again_is() -> None:
+    found = belief()
+    found.start(frozenset(), labels(free=True, a=False, b=False))
+    found.advance(PREPARE_A, StepStatus.DONE, frozenset(), labels(free=True, a=False, b=False))
+    assert DONE(A) in found.state
+    for _ in range(3):
+        found.advance(TAKE_A, None, frozenset(), labels(free=True, a=True, b=True))
+    assert DONE(B) in found.state
+    found.advance(TAKE_A, None, frozenset(), labels(free=True, a=True, b=False))
+    first = found.probability(DONE(B))
+    found.advance(TAKE_A, None, frozenset(), labels(free=True, a=True, b=False))
+    assert DONE(B) not in found.state and found.probability(DONE(B)) < first
+
+
+def test_a_given_effect_that_does_not_show_speaks_against_the_preconditions() -> None:
+    found = belief()
+    found.start(frozenset(), labels(free=True, a=True))
+    before = found.probability(DONE(A))
+    found.advance(TAKE_A, StepStatus.DONE, frozenset(), labels(free=True))
+    assert found.probability(DONE(A)) < 0.8 * before
+
+
+def test_an_atom_that_is_always_misread_is_suspected_and_then_no_longer_listened_to() -> None:
+    found = belief()
+    found.start(frozenset(), labels(free=True, a=False, b=False))
+    for _ in range(4):
+        found.advance(PREPARE_A, StepStatus.DONE, frozenset(), labels(free=True, a=False, b=False))
+    assert found.suspects == (DONE(A),)
+    assert DONE(A) in found.state
+
+
+def test_labels_adjust_the_error_rate_of_their_predicate() -> None:
+    found = belief()
+    found.start(frozenset(), labels(free=True, a=False, b=False))
+    before = found.error(DONE)
+    for turn in range(10):
+        found.advance(TAKE_A, None, frozenset({HOLDING(H, A)}), labels(a=turn % 2 == 0, b=turn % 2 == 0))
+    assert found.error(DONE) > before
+
+
+@given(st.integers(0, 5), st.integers(0, 5), st.floats(0.001, 0.4), st.floats(0.0, 1.0))
+def test_answers_are_weighed_alike_for_both_values(true: int, false: int, error: float, sticky: float) -> None:
+    if sticky == 1.0 and true and false:
+        return
+    one, other = Answers(true, false).log_odds(error, sticky), Answers(false, true).log_odds(error, sticky)
+    assert one == pytest.approx(-other, abs=1e-9)
+    assert (one > 1e-9) == (true > false) or abs(one) < 1e-6
+
+
+def test_equal_answers_about_one_picture_add_less_than_the_first() -> None:
+    evidence = [Answers(n, 0).log_odds(0.02, 0.5) for n in (1, 2, 3)]
+    assert evidence[0] < evidence[1] < evidence[2] < 2 * evidence[0]
+    assert Answers(1, 0).plus(False).log_odds(0.02, 0.5) == pytest.approx(0)
+
+
+@given(st.lists(st.floats(-4, 4), min_size=1, max_size=1), st.lists(st.booleans(), min_size=2, max_size=2))
+def test_messages_of_a_group_are_the_exact_posterior(odds: list[float], holding: list[bool]) -> None:
+    """One uncertain atom and two given ones: the constraint's weight of each of its two worlds, by hand."""
+    certain = frozenset(a for a, held in zip((HOLDING(H, A), HOLDING(H, B)), holding, strict=True) if held)
+    constraints = Constraints((ONE_HAND,), (H, A, B), [FREE(H)])
+    constraints.given_are(certain)
+    weight = {True: 1.0, False: 1 / (ONE_HAND.support + 2)}
+    expected = odds[0] + math.log(weight[len(certain) == 0]) - math.log(weight[len(certain) == 1])
+    assert constraints.informed(odds)[0] == pytest.approx(expected, abs=0.01)
+
+
+def test_probabilities_and_log_odds_are_inverse() -> None:
+    for p in (0.001, 0.3, 0.5, 0.97):
+        assert probability_of(log_odds(p)) == pytest.approx(p)
+    assert probability_of(log_odds(0)) < 1e-8 and probability_of(log_odds(1)) > 1 - 1e-8
+
+
+@dataclass
+class Told:
+    """Answers by state and atom; questions asked again get ``again``."""
+
+    values: Sequence[Mapping[str, str]]
+    again: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    name: str = "told"
+    asked: list[Request] = field(default_factory=list)
+
+    def answer(self, request: Request) -> Answer:
+        self.asked.append(request)
+        state = max(v.state for v in request.views)
+        lines = []
+        for atom in asked_atoms(request.text):
+            value = self.values[min(state, len(self.values) - 1)].get(str(atom), "Unknown")
+            if request.purpose == Purpose.ASK_AGAIN:
+                number = sum(r.purpose == Purpose.ASK_AGAIN for r in self.asked) - 1
+                answers = self.again[str(atom)]
+                value = answers[min(number, len(answers) - 1)]
+            lines.append(f"* {atom}: {value}. So it looks.")
+        return Answer("\n".join(lines))
+
+
+def photo(shade: int) -> State:
+    import numpy as np
+
+    return State((Picture("main", Image.from_pixels(np.full((8, 8, 3), shade, np.uint8))),))
+
+
+TASK = Task("pack", (H, A, B), photo(0), (PACKED(A),))
+START = {"free(h)": "True", "done(a)": "False", "done(b)": "False"}
+
+
+def plan_from(state: AbstractState) -> PlanResult:
+    return Planner(AStar()).plan(OPERATORS, TASK.objects, state, TASK.goal)
+
+
+def names(plan: Sequence[GroundOperator]) -> list[str]:
+    return [str(step) for step in plan]
+
+
+def test_a_label_in_doubt_is_asked_about_again_and_the_answer_decides() -> None:
+    vlm = Told([START | {"done(a)": "True"}], again={"done(a)": ["False", "False"]})
+    perception = Believing()(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    assert DONE(A) in perception.start(photo(0)) or perception.doubts([DONE(A)]) == (DONE(A),)
+    perception.ask([DONE(A), DONE(A)], WhyAsked.IN_DOUBT)
+    (question,) = perception.questions
+    assert (question.atom, question.answers, question.state) == (DONE(A), ("false",), 0)
+    assert question.after < question.before and DONE(A) not in perception.state
+
+
+def test_the_budget_of_a_look_bounds_the_questions() -> None:
+    vlm = Told([START], again={"done(a)": ["Unknown"], "done(b)": ["Unknown"], "free(h)": ["Unknown"]})
+    perception = Believing(ask_again=1)(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+    assert not perception.ask([DONE(A), DONE(B), FREE(H)], WhyAsked.SURPRISE)
+    assert [q.atom for q in perception.questions] == [DONE(A)]
+    none = Believing(ask_again=0)(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    none.start(photo(0))
+    none.ask([DONE(A)], WhyAsked.SURPRISE)
+    assert none.questions == []
+
+
+def test_without_doubt_nothing_is_asked_again() -> None:
+    vlm = Told([START, START | {"done(a)": "True"}])
+    perception = Believing()(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+    pursuit = Pursuit(plan_from, TASK.goal, plan_from(perception.state).plan, perception)
+    assert pursuit.next() == PREPARE_A
+    perception.advance(PREPARE_A, photo(1), StepStatus.DONE)
+    pursuit.executed("Prepare", frozenset(), succeeded=True)
+    assert pursuit.next() == TAKE_A and pursuit.turn == Turn.FOLLOWED
+    assert [r.purpose for r in vlm.asked] == [Purpose.LABEL, Purpose.LABEL] and pursuit.replans == 0
+
+
+def test_without_a_plan_the_nearest_state_with_one_is_asked_about_first() -> None:
+    model = WorldModel(VOCABULARY, (DONE, FREE), OPERATORS[1:], "told")  # nothing makes a thing done
+    vlm = Told([START], again={"done(a)": ["True", "True"]})
+    perception = Believing()(model, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+
+    def plan(state: AbstractState) -> PlanResult:
+        return Planner(AStar()).plan(OPERATORS[1:], TASK.objects, state, TASK.goal)
+
+    found = nearest_plan(plan, TASK.goal, perception)
+    assert found is not None and names(found.plan) == ["Take(h, a)", "Pack(h, a)"]
+    assert [(q.atom, q.why) for q in perception.questions] == [(DONE(A), WhyAsked.NO_PLAN)]
+
+
+def test_a_plan_that_does_not_rest_on_what_is_in_doubt_is_taken_when_it_is_cheap() -> None:
+    vlm = Told([START | {"done(a)": "True"}])
+    perception = Believing(ask_again=0)(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+    doubted = perception.doubts([DONE(A)])
+    assert doubted == (DONE(A),)
+    safer = safer_plan(plan_from, perception, doubted, 2)
+    assert safer is not None and names(safer) == ["Prepare(a)", "Take(h, a)", "Pack(h, a)"]
+    assert safer_plan(plan_from, perception, doubted, -100) is None
+    assert safer_plan(plan_from, perception, (), 2) is None
+
+
+def test_giving_up_has_a_kind_and_a_reason() -> None:
+    vlm = Told([START | {"free(h)": "Unknown"}])
+    perception = AtTheirWord(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+    pursuit = Pursuit(plan_from, TASK.goal, [PREPARE_A, TAKE_A], perception)
+    with pytest.raises(GivenUpError, match=r"no plan any more \(unsolvable\) after Packed|free0\(h\)") as caught:
+        pursuit.next()
+    assert caught.value.kind == GivingUp.NO_PLAN
