@@ -133,7 +133,7 @@ def test_without_a_plan_the_exit_code_is_1_and_what_is_missing_is_said(cli: Cli,
 
 
 def test_a_person_executes_with_a_failed_step(cli: Cli, run: Path, types: Person) -> None:
-    types(photo("a.png", 0), "n", "typo.png", photo("b.png", 1), "", photo("c.png", 2), "")
+    types(photo("a.png", 0), "y", "n", "typo.png", photo("b.png", 1), "", photo("c.png", 2), "")
     ran = cli("plan", run, "--task", task(run), "--interactive")
     assert ran.code == 0, ran.err
     assert "expected, not seen: +Done(l1)" in ran.out and "planned again: 2 skills" in ran.out
