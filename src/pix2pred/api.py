@@ -25,6 +25,7 @@ from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import CONFIG, MODEL, SAMPLERS
 from pix2pred.settings import Settings, of_project, resolve
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
+from pix2pred.structs.environment import asking_settings
 from pix2pred.structs.formats import world_model as files
 from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import VLM, AnswerStore, Together
@@ -93,7 +94,9 @@ def generate(domain: str, family: str | None = None, seed: int = 0, demos: Seque
     drawn = made.demonstrations(chosen, seed)
     kept = drawn if demos is None else [drawn[i] for i in demos]
     simulator = {"domain": domain, "family": chosen}
-    return Project(made.vocabulary(chosen), tuple(kept), made.settings(chosen), simulator)
+    return Project(
+        made.vocabulary(chosen), tuple(kept), made.settings(chosen), simulator, asking_settings(made, chosen)
+    )
 
 
 def learn(
@@ -112,7 +115,7 @@ def learn(
     those of the project. Raises what ``pipeline.learn`` raises, and ``RegistryError`` for a name nobody knows.
     """
     project = data if isinstance(data, Project) else read_data(data)
-    chosen = settings or resolve(of_project(project.learning))
+    chosen = settings or resolve(of_project(project.sections))
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
     learned = learn_world(LearningProblem(project.vocabulary, project.demos, model, chosen, progress))
     labeller = Labeller(model, chosen.labels, Together(chosen.flow.concurrent))
