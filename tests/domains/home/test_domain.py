@@ -13,7 +13,7 @@ from pix2pred.demos import read_project, write_project
 from pix2pred.domains.cleanup import CleanupDomain
 from pix2pred.domains.home.domain import HomeDomain
 from pix2pred.domains.juice import JuiceDomain
-from pix2pred.pipeline import Settings
+from pix2pred.settings import Settings
 from pix2pred.structs.environment import Asking, Domain, Filmed, asking_settings
 
 DOMAINS = {"cleanup": CleanupDomain(), "juice": JuiceDomain()}

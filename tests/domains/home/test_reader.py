@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pix2pred.predicates.label import Step
 
 import train_reader
 from extras import need
@@ -19,6 +18,7 @@ from pix2pred.domains.home.cameras import pictures
 from pix2pred.domains.home.domain import HomeDomain
 from pix2pred.domains.juice import JuiceDomain
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
+from pix2pred.predicates.labelling.state_labels import StepToLabel
 from pix2pred.structs import Action, Atom, FromVLM, Image, Object, Picture, Predicate, State
 from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
@@ -113,7 +113,7 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
             if None in fitting:
                 continue
             other = Action(skill, tuple(o for o in fitting if o is not None))
-            step = Step(before, after, 1, other, previous)
+            step = StepToLabel(before, after, 1, other, previous)
             found.append(labeller.next(step, objects, atoms, double_check=True).values)
     assert all(values == found[0] for values in found)
 
