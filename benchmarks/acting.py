@@ -31,7 +31,7 @@ from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.registry import load_domain, load_planner, load_vlm
 from pix2pred.settings import of_project, resolve
 from pix2pred.structs import Episode, FromVLM, WorldModel
-from pix2pred.structs.environment import Domain, SimulatedTask
+from pix2pred.structs.environment import Domain, SimulatedTask, asking_settings
 from pix2pred.structs.formats.world_model import dump_model, load_model
 from pix2pred.structs.samplers import Sampler
 from pix2pred.vlm import VLM, Answer, Request
@@ -66,7 +66,8 @@ def learned(
     """The model of a seed, learned once."""
     folder = out / f"{domain.name}-{family}-{seed}-{rate:g}-{operators}"
     if not (folder / "model.json").exists():
-        settings = resolve(of_project({**domain.settings(family), "operators": operators}))
+        learning = {**domain.settings(family), "operators": operators}
+        settings = resolve(of_project({"learning": learning, **asking_settings(domain, family)}))
         vlm = FlippingVLM(load_vlm("offline", domain.name), rate, seed)
         demos = tuple(domain.demonstrations(family, seed))
         result = learn(LearningProblem(domain.vocabulary(family), demos, vlm, settings))

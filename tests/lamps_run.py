@@ -37,7 +37,7 @@ def learn_lamps(
         robot = f"robby: {{type: robot, descriptor: {json.dumps(descriptor)}}}"
         (data / "domain.yaml").write_text(sheet.replace("robby: {type: robot}", robot))
     project = read_project(data)
-    settings = resolve(of_project(project.learning))
+    settings = resolve(of_project(project.sections))
     model = Fake(_says, _says, f"fake{BOMB}")
     with RunFolder(root / name).locked() as run:
         run.claim(

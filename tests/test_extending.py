@@ -49,7 +49,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
 
 def test_an_approach_from_outside_trains(installed: Path, tmp_path: Path) -> None:
     project = read_project(write_lamps(tmp_path / "data"))
-    problem = LearningProblem(project.vocabulary, project.demos, Fake(), resolve(of_project(project.learning)))
+    problem = LearningProblem(project.vocabulary, project.demos, Fake(), resolve(of_project(project.sections)))
     agent = REGISTRY.approach("unary").train(Training(problem, REGISTRY.planner("portfolio")))
     assert agent.plans_with is not None
     candidates = agent.plans_with.learned.labelling.table.pool

@@ -17,7 +17,9 @@ from pix2pred.structs import Pixels
 from pix2pred.structs.views import View
 
 
-def frames(domain: str, family: str, seed: int, demos: list[int], tasks: int, side: int) -> list[Pixels]:
+def frames(
+    domain: str, family: str, seed: int, demos: list[int], tasks: int, side: int, *, marks: bool
+) -> list[Pixels]:
     made = load_domain(domain)
     chosen = made.demonstrations(family, seed)
     shown = []
@@ -25,10 +27,13 @@ def frames(domain: str, family: str, seed: int, demos: list[int], tasks: int, si
         demo = chosen[index]
         titles = ["start", *(a.skill.name for a in demo.actions)]
         for t, (state, title) in enumerate(zip(demo.states, titles, strict=True)):
-            shown.append(draw_view(View(state.pictures[0], t, heading=f"{t}: {title}", longest_side=side)))
+            view = View(state.pictures[0], t, marks=marks, heading=f"{t}: {title}", longest_side=side)
+            shown.append(draw_view(view))
     for stored in made.tasks(family, seed, tasks) if tasks else ():
-        heading = stored.task.name
-        shown.append(draw_view(View(stored.task.initial.pictures[0], 0, heading=heading, longest_side=side)))
+        pictures = stored.task.initial.pictures
+        for picture in pictures:
+            heading = stored.task.name if len(pictures) == 1 else f"{stored.task.name}: {picture.camera}"
+            shown.append(draw_view(View(picture, 0, marks=marks, heading=heading, longest_side=side)))
     return shown
 
 
@@ -52,8 +57,9 @@ def main() -> None:
     parser.add_argument("--tasks", type=int, default=0, help="initial states of so many test tasks at the end")
     parser.add_argument("--columns", type=int, default=4)
     parser.add_argument("--side", type=int, default=360)
+    parser.add_argument("--no-marks", action="store_true", help="clean pictures, as in domains without marks")
     args = parser.parse_args()
-    shown = frames(args.domain, args.family, args.seed, args.demos, args.tasks, args.side)
+    shown = frames(args.domain, args.family, args.seed, args.demos, args.tasks, args.side, marks=not args.no_marks)
     args.out.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(sheet(shown, args.columns)).save(args.out, optimize=True)
 

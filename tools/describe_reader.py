@@ -42,7 +42,10 @@ def main() -> None:
     assert domain.reader is not None, "the domain has no reader"
     card = json.loads((domain.reader / "card.json").read_text())
     words = load_words(domain.reader).words
-    tests = "tests/vlm/test_reader.py" if domain.name == "burger" else f"tests/domains/{domain.name}/test_reader.py"
+    shared = {"burger": "tests/vlm/test_reader.py"} | dict.fromkeys(
+        ("cleanup", "juice"), "tests/domains/home/test_reader.py"
+    )
+    tests = shared.get(domain.name, f"tests/domains/{domain.name}/test_reader.py")
     print(HEAD.format(domain=domain.name, digest=card["digest"][:12], pictures=card["training_pictures"], tests=tests))
     print("| word | arguments | reads | balanced accuracy | true cases | false cases |")
     print("|---|---|---|---|---|---|")

@@ -6,7 +6,9 @@ Writes ``weights.npz`` and ``card.json`` into the domain's ``reader/`` folder. T
 nothing else: 7001 for training, 7002 for the card's accuracies (tests use 7003).
 
 A domain brings three modules: ``random_worlds`` (``random_worlds(seed, looks, per_look)``), ``render``
-(``render(world)``) and ``truth`` (``concept_value(world, concept, names)``). Its worlds have ``types()``.
+(``render(world)``) and ``truth`` (``concept_value(world, concept, names)``). Its worlds have ``types()``. Where worlds
+are costly, or seen by several cameras, ``random_worlds`` has ``worlds_of_look(seed, look, per_look)`` and
+``views(world)`` instead, and no ``render`` is needed.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import argparse
 import json
 import time
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -30,15 +32,19 @@ from sklearn.decomposition import PCA
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPClassifier
 
-from pix2pred.vlm.offline.model import WEIGHTS, Projection, ReaderModel, inputs, load_words
+from pix2pred.structs import Image, Picture
+from pix2pred.vlm.offline import fine_sight
+from pix2pred.vlm.offline.model import WEIGHTS, Projection, ReaderModel, WordListDoc, inputs, load_words
 from pix2pred.vlm.offline.pixels import Scene
 
 TRAINING_SEED, CARD_SEED = 7001, 7002
 TIGHT_COMPONENTS, WIDE_COMPONENTS = 28, 12
+FINE_COMPONENTS = (32, 12, 18)
 HIDDEN = 20
 MOST_SAMPLES = 5000
 
 Signature = tuple[str, ...]
+Views = Callable[[Any], Sequence[Picture]]
 
 
 class World(Protocol):
@@ -58,6 +64,11 @@ def part_of(domain: str, module: str) -> Any:
     return import_module(f"pix2pred.domains.{domain}.{module}")
 
 
+def folder_of(domain: str) -> Path:
+    """Where a domain keeps its reader."""
+    return Path(str(part_of(domain, "truth").__file__)).parent / "reader"
+
+
 @dataclass(frozen=True)
 class Case:
     """A concept asked about objects of one world."""
@@ -67,21 +78,35 @@ class Case:
     truth: bool
 
 
-def render_worlds(domain: str, worlds: Sequence[World]) -> list[Scene]:
-    render = part_of(domain, RENDERING[domain]).render
-    scenes = [Scene(render(world)) for world in worlds]
+def render_worlds(words: WordListDoc, worlds: Sequence[World], views: Views) -> tuple[list[World], list[Scene]]:
+    """A scene for every picture of every world, and the world of every scene."""
+    seen = [(world, words.scene(picture, world.types())) for world in worlds for picture in views(world)]
+    scenes = [scene for _, scene in seen]
     for scene in scenes:
         for name in scene.picture.boxes:
             scene.crops(name)
         scene.image = PIL.Image.new("L", scene.image.size)  # only the size is needed once the crops are taken
-    return scenes
+        scene.picture = Picture(scene.picture.camera, Image(b""), scene.picture.boxes)
+    return [world for world, _ in seen], scenes
+
+
+def render_look(domain: str, words: WordListDoc, seed: int, look: int, per_look: int) -> Any:
+    """The pictures of one look of a domain that draws its worlds look by look."""
+    module = part_of(domain, "random_worlds")
+    return render_worlds(words, module.worlds_of_look(seed, look, per_look), module.views)
 
 
 def read_worlds(domain: str, seed: int, looks: int, per_look: int, jobs: int) -> tuple[list[World], list[Scene]]:
-    worlds = part_of(domain, "random_worlds").random_worlds(seed, looks, per_look)
-    chunks = [worlds[i : i + per_look] for i in range(0, len(worlds), per_look)]
-    scenes = Parallel(n_jobs=jobs)(delayed(render_worlds)(domain, chunk) for chunk in chunks)
-    return worlds, [scene for chunk in scenes for scene in chunk]
+    words, module = load_words(folder_of(domain)), part_of(domain, "random_worlds")
+    run = Parallel(n_jobs=jobs)
+    if hasattr(module, "worlds_of_look"):
+        seen = run(delayed(render_look)(domain, words, seed, look, per_look) for look in range(looks))
+    else:
+        render = part_of(domain, RENDERING[domain]).render
+        worlds = module.random_worlds(seed, looks, per_look)
+        chunks = [worlds[i : i + per_look] for i in range(0, len(worlds), per_look)]
+        seen = run(delayed(render_worlds)(words, chunk, lambda world: (render(world),)) for chunk in chunks)
+    return [w for worlds, _ in seen for w in worlds], [s for _, scenes in seen for s in scenes]
 
 
 def cases(
@@ -107,7 +132,7 @@ def cases(
     return kept
 
 
-def fit_projections(scenes: Sequence[Scene], worlds: Sequence[World]) -> dict[str, Projection]:
+def fit_projections(scenes: Sequence[Scene], worlds: Sequence[World], *, fine: bool) -> dict[str, Projection]:
     crops: dict[str, list[NDArray[np.float32]]] = {}
     for scene, world in zip(scenes, worlds, strict=True):
         for name, type_name in sorted(world.types().items()):
@@ -116,8 +141,11 @@ def fit_projections(scenes: Sequence[Scene], worlds: Sequence[World]) -> dict[st
                 crops.setdefault(type_name, []).append(vector)
     fitted = {}
     for type_name, rows in sorted(crops.items()):
-        tight, wide = np.split(np.stack(rows[:6000]), 2, axis=1)
-        parts = [PCA(n, random_state=0).fit(x) for n, x in ((TIGHT_COMPONENTS, tight), (WIDE_COMPONENTS, wide))]
+        blocks, components = (
+            (fine_sight.BLOCKS, FINE_COMPONENTS) if fine else (None, (TIGHT_COMPONENTS, WIDE_COMPONENTS))
+        )
+        split = np.split(np.stack(rows[:6000]), np.cumsum(blocks)[:-1] if blocks else 2, axis=1)
+        parts = [PCA(n, random_state=0).fit(x) for n, x in zip(components, split, strict=True)]
         # rounded as they will be stored, so that training and use see the same codes
         mean = np.concatenate([p.mean_ for p in parts]).astype(np.float16)
         components = block_diag(*(p.components_ for p in parts)).astype(np.float16)
@@ -187,7 +215,7 @@ def train(domain: str, directory: Path, looks: int, jobs: int) -> int:
     start = time.perf_counter()
     worlds, scenes = read_worlds(domain, TRAINING_SEED, looks, 5, jobs)
     print(f"{len(worlds)} pictures rendered in {time.perf_counter() - start:.0f} s", flush=True)
-    projections = fit_projections(scenes, worlds)
+    projections = fit_projections(scenes, worlds, fine=bool(words.neighbours))
     print(f"projections fitted, {time.perf_counter() - start:.0f} s", flush=True)
     rng = np.random.default_rng(0)
     keys = sorted({(w.concept, types) for w, types in words.uses() if w.concept is not None})
@@ -211,14 +239,14 @@ def train(domain: str, directory: Path, looks: int, jobs: int) -> int:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("domain", choices=["burger", "coffee", "kitchen"])
+    parser.add_argument("domain", choices=["burger", "cleanup", "coffee", "juice", "kitchen"])
     parser.add_argument("--looks", type=int, default=550, help="differently drawn scenes")
     parser.add_argument("--card-looks", type=int, default=60, help="differently drawn scenes for the card")
     parser.add_argument("--card-only", action="store_true", help="measure the weights that are there")
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
     domain = str(arguments.domain)
-    directory = Path(str(part_of(domain, "truth").__file__)).parent / "reader"
+    directory = folder_of(domain)
     start = time.perf_counter()
     if arguments.card_only:
         pictures = json.loads((directory / "card.json").read_text())["training_pictures"]

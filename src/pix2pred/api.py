@@ -34,6 +34,7 @@ from pix2pred.runs.metrics import climbed
 from pix2pred.runs.verdict import concerns
 from pix2pred.settings import Settings, of_kind, of_project, resolve
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
+from pix2pred.structs.environment import asking_settings
 from pix2pred.structs.formats import world_model as files
 from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import VLM, AnswerStore, Together
@@ -150,7 +151,9 @@ def generate(domain: str, family: str | None = None, seed: int = 0, demos: Seque
     drawn = made.demonstrations(chosen, seed)
     kept = drawn if demos is None else [drawn[i] for i in demos]
     simulator = {"domain": domain, "family": chosen}
-    return Project(made.vocabulary(chosen), tuple(kept), made.settings(chosen), simulator)
+    return Project(
+        made.vocabulary(chosen), tuple(kept), made.settings(chosen), simulator, asking_settings(made, chosen)
+    )
 
 
 def learn(
@@ -169,7 +172,7 @@ def learn(
     those of the project. Raises what ``pipeline.learn`` raises, and ``RegistryError`` for a name nobody knows.
     """
     project = data if isinstance(data, Project) else read_data(data)
-    chosen = settings or resolve(of_kind(project.simulator), of_project(project.learning))
+    chosen = settings or resolve(of_kind(project.simulator), of_project(project.sections))
     model = _vlm(vlm, (project.simulator or {}).get("domain"), Path(answers) if answers else None, chosen)
     problem = LearningProblem(project.vocabulary, project.demos, model, chosen, progress)
     learned = learn_world(problem)

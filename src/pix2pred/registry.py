@@ -53,6 +53,8 @@ _DOMAINS = {
     "burger": "pix2pred.domains.burger:BurgerDomain",
     "kitchen": "pix2pred.domains.kitchen:KitchenDomain",
     "coffee": "pix2pred.domains.coffee:CoffeeDomain",
+    "cleanup": "pix2pred.domains.cleanup:CleanupDomain",
+    "juice": "pix2pred.domains.juice:JuiceDomain",
 }
 """Classes without required arguments that implement ``Domain``; group ``pix2pred.domains``."""
 

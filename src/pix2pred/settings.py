@@ -67,9 +67,9 @@ def _says(values: Mapping[str, Any], where: tuple[int | str, ...]) -> bool:
     return section is not None and (len(where) == 1 or not isinstance(section, Mapping) or where[1] in section)
 
 
-def of_project(learning: Mapping[str, Any]) -> Layer:
-    """What the ``learning`` section of a project's ``domain.yaml`` says."""
-    return Layer({"learning": dict(learning)}, "the learning section of domain.yaml")
+def of_project(sections: Mapping[str, Mapping[str, Any]]) -> Layer:
+    """What the sections ``learning``, ``proposal`` and ``labels`` of a project's ``domain.yaml`` say."""
+    return Layer({name: dict(values) for name, values in sections.items()}, "the settings in domain.yaml")
 
 
 def of_kind(simulator: Mapping[str, str] | None) -> Layer:

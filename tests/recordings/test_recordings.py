@@ -66,7 +66,7 @@ def replay(tmp_path_factory: pytest.TempPathFactory):  # type: ignore[no-untyped
         recording = load_recording(name)
         recording.unpack_answers(folder / "answers")
         project = _project(recording, folder / "data")
-        settings = resolve(of_project(project.learning), *([of_file(recording.settings)] if recording.settings else []))
+        settings = resolve(of_project(project.sections), *([of_file(recording.settings)] if recording.settings else []))
         model = Replay(AnswerStore(folder / "answers"))
         learned = learn(LearningProblem(project.vocabulary, project.demos, model, settings))
         solver = Solver(

@@ -115,7 +115,7 @@ class Suite(BaseModel):
     def settings_of(self, entry: FamilyEntry, learning: Mapping[str, Any]) -> Settings:
         """The settings of a family: its domain's for ``learning``, then the suite's, then its own in this suite."""
         suite, family = Layer(self.settings, f"suite {self.name}"), Layer(entry.settings, f"family {entry.name}")
-        return resolve(of_project(learning), suite, family)
+        return resolve(of_project({"learning": learning}), suite, family)
 
 
 def suite_names() -> list[str]:

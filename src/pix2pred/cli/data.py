@@ -21,6 +21,7 @@ from pix2pred.demos import (
 )
 from pix2pred.registry import Registry, check_family
 from pix2pred.settings import SettingsError
+from pix2pred.structs.environment import asking_settings
 from pix2pred.system.progress import Stage
 from pix2pred.vlm import AnswerStore
 from pix2pred.vlm.model_spec import FORMS
@@ -63,6 +64,7 @@ def generate(
         unseen,
         {"domain": domain, "family": family},
         made.settings(family),
+        asking=asking_settings(made, family),
         overwrite=overwrite,
     )
     if json:

@@ -186,7 +186,7 @@ def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:
 
 def project_settings(project: Project, *layers: Layer) -> Settings:
     """Defaults, overridden by the project's ``learning`` section and then by ``layers``. Raises ``SettingsError``."""
-    return resolve(of_kind(project.simulator), of_project(project.learning), *layers)
+    return resolve(of_kind(project.simulator), of_project(project.sections), *layers)
 
 
 def estimated(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> dict[str, Any]:

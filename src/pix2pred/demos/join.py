@@ -27,8 +27,8 @@ def join_projects(folders: Sequence[Path], projects: Sequence[Project]) -> Proje
                 problems.append(
                     Problem(folder / "domain.yaml", None, f"declares other {name} than {folders[0] / 'domain.yaml'}")
                 )
-        if dict(other.learning) != dict(first.learning):
-            said = f"has other settings under 'learning' than {folders[0] / 'domain.yaml'}; give both the same"
+        if other.sections != first.sections:
+            said = f"has other settings than {folders[0] / 'domain.yaml'}; give both the same"
             problems.append(Problem(folder / "domain.yaml", None, said))
     if problems:
         raise FolderError(problems)

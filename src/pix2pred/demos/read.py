@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -34,13 +34,20 @@ from pix2pred.structs import Demo, Task, Vocabulary
 class Project:
     """A project folder: what is declared and demonstrated.
 
-    ``learning`` holds settings as written; ``simulator`` names the registered domain and its family, if any.
+    ``learning`` holds settings as written, ``asking`` those of the sections ``proposal`` and ``labels``; ``simulator``
+    names the registered domain and its family, if any.
     """
 
     vocabulary: Vocabulary
     demos: tuple[Demo, ...]
     learning: Mapping[str, Any]
     simulator: Mapping[str, str] | None
+    asking: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @property
+    def sections(self) -> dict[str, dict[str, Any]]:
+        """All settings of the project, by section."""
+        return {"learning": dict(self.learning)} | {name: dict(values) for name, values in self.asking.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +117,8 @@ def collect_project(
         return None, None
     doc = loaded[1]
     simulator = doc.simulator.model_dump() if doc.simulator else None
-    return Project(declared.vocabulary, tuple(d for d in demos if d), doc.learning, simulator), declared
+    asking = {name: values for name, values in (("proposal", doc.proposal), ("labels", doc.labels)) if values}
+    return Project(declared.vocabulary, tuple(d for d in demos if d), doc.learning, simulator, asking), declared
 
 
 def _read_demo(

@@ -28,6 +28,7 @@ def write_project(
     simulator: Mapping[str, str] | None = None,
     learning: Mapping[str, Any] | None = None,
     *,
+    asking: Mapping[str, Mapping[str, Any]] | None = None,
     overwrite: bool = False,
 ) -> None:
     """Write a whole project, which appears at once or not at all.
@@ -42,7 +43,8 @@ def write_project(
     _refuse_names(directory, "task", [task.task.name for task in tasks])
     with staged(directory) as stage:
         shared = _shared_objects([*(demo.objects for demo in demos), *(task.task.objects for task in tasks)])
-        _write_yaml(stage / DOMAIN, _domain_doc(vocabulary, shared.values(), simulator, learning))
+        settings = {"learning": learning or {}} | dict(asking or {})
+        _write_yaml(stage / DOMAIN, _domain_doc(vocabulary, shared.values(), simulator, settings))
         for demo in demos:
             _write_demo(stage / DEMOS / demo.name, demo, shared)
         for task in tasks:
@@ -115,7 +117,7 @@ def _domain_doc(
     vocabulary: Vocabulary,
     objects: Iterable[Object],
     simulator: Mapping[str, str] | None,
-    learning: Mapping[str, Any] | None,
+    settings: Mapping[str, Mapping[str, Any]],
 ) -> dict[str, Any]:
     doc: dict[str, Any] = {"format": DomainDoc.FORMAT, "version": VERSION, "name": vocabulary.name}
     if simulator is not None:
@@ -124,9 +126,7 @@ def _domain_doc(
     doc["objects"] = _objects_doc(objects)
     doc["skills"] = [skill_doc(s) for s in vocabulary.skills]
     doc["predicates"] = [predicate_doc(p) for p in vocabulary.initial]
-    if learning:
-        doc["learning"] = dict(learning)
-    return doc
+    return doc | {section: dict(values) for section, values in settings.items() if values}
 
 
 def _objects_doc(objects: Iterable[Object]) -> dict[str, Any]:

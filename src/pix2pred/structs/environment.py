@@ -85,6 +85,20 @@ class Filmed(Protocol):
         ...
 
 
+@runtime_checkable
+class Asking(Protocol):
+    """A domain that wants a model to be asked in other ways than by default."""
+
+    def asking(self, family: str) -> Mapping[str, Mapping[str, Any]]:
+        """Settings of the sections ``proposal`` and ``labels``."""
+        ...
+
+
+def asking_settings(domain: object, family: str) -> Mapping[str, Mapping[str, Any]]:
+    """How a model is to be asked about a domain's pictures, where the domain says so."""
+    return domain.asking(family) if isinstance(domain, Asking) else {}
+
+
 class Domain(Protocol):
     """A simulated domain: its families of demonstrations and tasks, and how to run them."""
 

@@ -82,6 +82,8 @@ class DomainDoc(FileDoc):
     skills: tuple[SkillDoc, ...]
     predicates: tuple[PredicateDoc, ...] = Field(description="the initial predicates")
     learning: dict[str, Any] = Field(default_factory=dict, description="settings passed on as they are")
+    proposal: dict[str, Any] = Field(default_factory=dict, description="likewise, of asking for predicates")
+    labels: dict[str, Any] = Field(default_factory=dict, description="likewise, of asking for their values")
 
 
 class StateDoc(Document):

@@ -18,13 +18,23 @@ import yaml
 from numpy.typing import NDArray
 from pydantic import Field
 
+from pix2pred.structs import Picture
 from pix2pred.structs.formats.documents import Document
+from pix2pred.vlm.offline.fine_sight import FineScene
 from pix2pred.vlm.offline.pixels import MEASURES, Scene, Vector
 
 Array = NDArray[np.float32]
 
 WORDS, WEIGHTS = "words.yaml", "weights.npz"
 """The files of a reader's folder."""
+
+
+_MOST_SURE = 8.0
+"""The most that one picture's logarithm of odds counts when several pictures are read together.
+
+With 4, two flat views of a table outvote the one from above in one case of fifty (48 states of Cleanup); with 6 to 12
+in none.
+"""
 
 
 class WordDoc(Document):
@@ -46,7 +56,14 @@ class WordListDoc(Document):
     version: Literal[1]
     sure: float = Field(0.6, ge=0.5, lt=1, description="below this probability the answer is Unknown")
     kinds: dict[str, tuple[str, ...]] = Field(default_factory=dict, description="names for several types")
+    neighbours: tuple[str, ...] = Field(
+        (), description="types whose nearest objects are looked at, with the finer sight; by default the simple one"
+    )
     words: tuple[WordDoc, ...]
+
+    def scene(self, picture: Picture, types: Mapping[str, str]) -> Scene:
+        """What is computed from a picture whose objects have ``types``, with the sight this reader was trained for."""
+        return FineScene(picture, types=types, kinds=self.neighbours) if self.neighbours else Scene(picture)
 
     def uses(self) -> list[tuple[WordDoc, tuple[str, ...]]]:
         """Every word with every signature of plain types it applies to."""
@@ -142,6 +159,22 @@ class ReaderModel:
         p = classifier.probability(inputs(scene, self._projections, names, types))
         if use.negated:
             p = 1 - p
+        sure = self.words.sure
+        return (True if p >= sure else False if p <= 1 - sure else None), p
+
+    def joint_value(
+        self, word: str, names: Sequence[str], types: Sequence[str], scenes: Sequence[Scene]
+    ) -> tuple[bool | None, float]:
+        """The value read from all pictures of a state that show the objects; ``None`` when no picture does.
+
+        The surest picture decides; with the finer sight all have a say, because one that shows only a part of an
+        object may be sure and wrong.
+        """
+        readings = [self.value(word, names, types, scene) for scene in scenes]
+        if not self.words.neighbours or len(readings) < 2:
+            return max(readings, key=lambda read: abs(read[1] - 0.5), default=(None, 0.5))
+        votes = [np.clip(np.log(p / (1 - p)), -_MOST_SURE, _MOST_SURE) for _, p in readings if 0 < p < 1]
+        p = float(1 / (1 + np.exp(-np.sum(votes)))) if votes else readings[0][1]
         sure = self.words.sure
         return (True if p >= sure else False if p <= 1 - sure else None), p
 

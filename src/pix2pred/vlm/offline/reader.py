@@ -54,18 +54,19 @@ class OfflineReader:
             return Answer(definition_answer(text, self._words))
         if request.purpose == Purpose.HISTORY:
             return Answer("\n".join(self._histories(request)))
-        scenes = [self._scene(view) for view in current_views(request.views)]
         types, previous = object_types(text), previous_values(text)
+        scenes = [self._scene(view, types) for view in current_views(request.views)]
         lines = [self._label(atom, types, scenes, previous) for atom in asked_atoms(text)]
         return Answer(label_answer(text, lines))
 
     def _histories(self, request: Request) -> Iterator[str]:
         """A line per atom: its value in every state shown, an object without a box keeping its value."""
         text = request.text
-        states = {
-            number: [self._scene(view) for view in shown] for number, shown in states_shown(request.views).items()
-        }
         types, before = object_types(text), previous_values(text)
+        states = {
+            number: [self._scene(view, types) for view in shown]
+            for number, shown in states_shown(request.views).items()
+        }
         for atom in asked_atoms(text):
             said = {"True": True, "False": False}.get(before.get(str(atom), "Unknown"))
             values = {number: (said := self._value(atom, types, scenes, said)[0]) for number, scenes in states.items()}
@@ -86,22 +87,16 @@ class OfflineReader:
         if hidden:
             return before, f"{hidden[0]} has no box in this picture; value as before."
         signature = [types.get(n, "") for n in atom.names]
-        read: tuple[bool | None, float] = (None, 0.5)
-        for scene in scenes:
-            if all(scene.box(n) is not None for n in atom.names):
-                read = max(read, self._model.value(atom.word, atom.names, signature, scene), key=_sureness)
+        seeing = [scene for scene in scenes if all(scene.box(n) is not None for n in atom.names)]
+        read = self._model.joint_value(atom.word, atom.names, signature, seeing)
         return read[0], f"Probability of True {read[1]:.2f}."
 
-    def _scene(self, view: View) -> Scene:
+    def _scene(self, view: View, types: Mapping[str, str]) -> Scene:
         """The picture of a view, remembered while queries about the same state come in."""
-        key = (view.picture.image.digest, *((n, b) for n, b in view.boxes.items()))
+        key = (view.picture.image.digest, *((n, b, types.get(n)) for n, b in view.boxes.items()))
         with self._lock:
             if key not in self._scenes:
-                self._scenes[key] = Scene(view.picture)
+                self._scenes[key] = self._model.words.scene(view.picture, types)
                 if len(self._scenes) > _REMEMBERED_SCENES:
                     self._scenes.popitem(last=False)
             return self._scenes[key]
-
-
-def _sureness(read: tuple[bool | None, float]) -> float:
-    return abs(read[1] - 0.5)

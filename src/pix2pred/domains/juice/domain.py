@@ -1,0 +1,28 @@
+"""The juice domain as the rest of the system sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pix2pred.domains.home.domain import HomeDomain
+from pix2pred.domains.home.episode import HomeEnvironment
+from pix2pred.domains.juice.families import FAMILIES, RECIPES
+from pix2pred.domains.juice.rules import RULES
+from pix2pred.domains.juice.truth import value_now
+from pix2pred.structs.environment import Environment
+
+SETTINGS: Mapping[str, Any] = {"h_pre_frac": 1.0, "h_data_frac": 0.4, "j_threshold": 0}
+"""The published learning settings (method 10.7)."""
+
+
+class JuiceDomain(HomeDomain):
+    """Juice fruit into cups."""
+
+    def __init__(self) -> None:
+        super().__init__("juice", RULES, RECIPES, FAMILIES, SETTINGS, Path(__file__).parent / "reader")
+
+    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
+        assert isinstance(environment, HomeEnvironment), "an environment of this domain"
+        return value_now(environment, concept, names)

@@ -1,0 +1,78 @@
+"""Worlds of any arrangement, for training and judging the offline reader: random rooms, both bodies, all things."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pix2pred.domains.home.cameras import camera_names, picture
+from pix2pred.domains.home.domain import Split
+from pix2pred.domains.home.drawing.room import STYLES
+from pix2pred.domains.home.drawing.vessels import DRINKS
+from pix2pred.domains.home.world import Body, Thing, World
+from pix2pred.domains.juice.families import DEMONSTRATED_FRUITS, JUICE_CUPS, NEW_FRUITS
+from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
+from pix2pred.domains.juice.skills import FULL
+from pix2pred.structs import Picture
+
+Rng = np.random.Generator
+
+_FRUITS = (*DEMONSTRATED_FRUITS, *NEW_FRUITS)
+
+
+def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
+    """``per_look`` arrangements of things in differently drawn scenes, apart from demonstrations and tasks."""
+    rng = np.random.default_rng(np.random.SeedSequence((seed, int(Split.READER), look)))
+    body = Body.HUMAN if rng.random() < 0.5 else Body.ROBOT
+    style = str(rng.choice(sorted(STYLES)))
+    kinds = [str(k) for k in rng.choice(JUICE_CUPS, size=int(rng.integers(2, 4)))]
+    fruits = [str(k) for k in rng.permutation(_FRUITS)[: int(rng.integers(1, 4))]]
+    base = make_world(_plan(kinds, fruits, rng), body, style, rng)
+    return [_rearranged(base, kinds, fruits, rng) for _ in range(per_look)]
+
+
+def _plan(kinds: list[str], fruits: list[str], rng: Rng) -> Plan:
+    places = [str(p) for p in rng.permutation(("juice", "waste", "aside", "aside"))]
+    cups = {f"cup{i}": Cup(kind, places[i]) for i, kind in enumerate(kinds)} | {"bowl": Cup("bowl")}
+    where = {f: float(rng.random()) for f in fruits}
+    inside = [f for f in fruits if where[f] < 0.35]
+    squeezed = [f for f in fruits if where[f] > 0.65]
+    return Plan(cups, fruits, inside, squeezed, bool(rng.random() < 0.5), bool(rng.random() < 0.7))
+
+
+def _rearranged(base: World, kinds: list[str], fruits: list[str], rng: Rng) -> World:
+    """The same room and looks with everything elsewhere: a new scene is made and its looks are exchanged."""
+    made = make_world(_plan(kinds, fruits, rng), base.body, base.style, rng)
+    juicer = base.thing(JUICER)
+    dx, dy = (juicer.at[i] - made.thing(JUICER).at[i] for i in (0, 1))
+    things = [replace(t, look=base.thing(t.name).look, at=(t.at[0] + dx, t.at[1] + dy, t.at[2])) for t in made.things]
+    world = replace(made, things=tuple(things), room=base.room)
+    squeezed = [t.kind for t in world.of_type("movable_object") if t.squeezed]
+    world = world.with_thing(*(_filled(c, squeezed, rng) for c in world.of_type("container")))
+    names = [t.name for t in (*world.of_type("container"), *world.of_type("movable_object"))]
+    held = str(rng.choice(names)) if rng.random() < 0.35 else None
+    return replace(world, holding=held, gaze=held or str(rng.choice([*names, JUICER])))
+
+
+def _filled(container: Thing, squeezed: list[str], rng: Rng) -> Thing:
+    """Empty, or with the juice of fruit that was squeezed here or elsewhere, or with another drink."""
+    kind = rng.random()
+    if kind < 0.45:
+        return replace(container, contents=(), amount=0.0)
+    others = [f for f in _FRUITS if f not in squeezed]
+    if kind < 0.75 and squeezed:
+        number = int(rng.integers(1, len(squeezed) + 1))
+        contents = tuple(sorted(str(k) for k in rng.permutation(squeezed)[:number]))
+    elif kind < 0.82 and others:
+        contents = (str(rng.choice(others)),)
+    else:
+        contents = (str(rng.choice(sorted(DRINKS))),)
+    return replace(container, contents=contents, amount=float(rng.uniform(FULL - 0.08, FULL + 0.06)))
+
+
+def views(world: World) -> list[Picture]:
+    """What a person sees, or the robot's hand camera and some of the others, drawn by the world's own seed."""
+    rng = np.random.default_rng(np.random.SeedSequence((world.room, 13)))
+    chosen = [n for n in camera_names(world) if n in ("head", "hand_color") or rng.random() < 0.3]
+    return [picture(world, name) for name in chosen]

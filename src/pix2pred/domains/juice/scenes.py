@@ -1,0 +1,113 @@
+"""Where juice scenes start: a juicer on a counter, cups in their regions or aside, a bowl, fruit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pix2pred.domains.home.drawing.fixtures import table_size
+from pix2pred.domains.home.drawing.vessels import HOPPER_BOTTOM, RIND_PLACE
+from pix2pred.domains.home.places import Region, region_middle
+from pix2pred.domains.home.settling import rise_of, settled
+from pix2pred.domains.home.world import SCENERY, Body, Thing, World
+from pix2pred.domains.juice.skills import FULL
+
+Rng = np.random.Generator
+
+JUICER = "juicer"
+ASIDE = "aside"
+
+REGION_OF: Mapping[str, Region] = {"juice": Region.JUICE, "waste": Region.WASTE}
+
+_FRONT = (0.68, 0.76)
+_ASIDE = ((0.70, 0.86), (0.42, 0.68))
+_GAP = 0.14
+
+
+@dataclass(frozen=True, slots=True)
+class Cup:
+    """A vessel: its kind, whether it stands under the ``juice`` or ``waste`` valve or ``aside``, and what it holds."""
+
+    kind: str
+    place: str = ASIDE
+    contents: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a scene holds. ``inside`` and ``squeezed`` list fruits; the others lie on the counter."""
+
+    cups: Mapping[str, Cup]
+    fruits: Sequence[str] = ()
+    inside: Sequence[str] = ()
+    squeezed: Sequence[str] = ()
+    opened: bool = True
+    powered: bool = True
+    gaze: str = ""
+    kinds: Mapping[str, str] = field(default_factory=dict)
+
+
+def make_world(plan: Plan, body: Body, style: str, rng: Rng) -> World:
+    """The world of ``plan`` at rest, everything else drawn from ``rng``."""
+    counter = Thing("counter", SCENERY, "counter", _look(rng), (0.97, 0.0, 0.0))
+    top = table_size(counter).height
+    place = (float(rng.uniform(1.05, 1.10)), float(rng.uniform(-0.05, 0.05)), top)
+    juicer = Thing(JUICER, "juicer", "juicer", _look(rng), place, opened=plan.opened, powered=plan.powered)
+    taken: list[tuple[float, float]] = []
+    cups = [_cup(name, cup, juicer, taken, rng) for name, cup in plan.cups.items()]
+    fruits = [_fruit(name, plan, juicer, taken, rng) for name in plan.fruits]
+    return settled(World((counter, juicer, *cups, *fruits), body, _look(rng), style, plan.gaze), 0.8)
+
+
+def _cup(name: str, cup: Cup, juicer: Thing, taken: list[tuple[float, float]], rng: Rng) -> Thing:
+    made = Thing(
+        name, "container", cup.kind, _look(rng), contents=tuple(cup.contents), amount=FULL * bool(cup.contents)
+    )
+    if cup.place in REGION_OF:
+        x, y, z = region_middle(juicer, REGION_OF[cup.place])
+        return replace(made, at=(x + float(rng.uniform(-0.015, 0.015)), y + float(rng.uniform(-0.015, 0.015)), z))
+    x, y = aside(taken, rng)
+    return replace(made, at=(x, y, juicer.at[2]))
+
+
+def aside(taken: list[tuple[float, float]], rng: Rng) -> tuple[float, float]:
+    """A free place for a vessel at the left or right of the counter: the best of many."""
+    (x0, x1), (y0, y1) = _ASIDE
+    tries = rng.uniform((x0, y0), (x1, y1), size=(30, 2)) * rng.choice([(1, -1), (1, 1)], size=30)
+    return _apart(tries, taken)
+
+
+def front(taken: list[tuple[float, float]], rng: Rng) -> tuple[float, float]:
+    """A free place for a fruit at the front edge of the counter."""
+    tries = np.stack(
+        [rng.uniform(*_FRONT, size=30), rng.uniform(0.12, 0.36, size=30) * rng.choice((-1, 1), size=30)], 1
+    )
+    return _apart(tries, taken)
+
+
+def _apart(tries: np.ndarray, taken: list[tuple[float, float]]) -> tuple[float, float]:
+    gaps = [min((math.dist(t, other) for other in taken), default=1.0) for t in tries]
+    good = [i for i, gap in enumerate(gaps) if gap >= _GAP] or [int(np.argmax(gaps))]
+    x, y = (float(v) for v in tries[good[0]])
+    taken.append((x, y))
+    return x, y
+
+
+def _fruit(name: str, plan: Plan, juicer: Thing, taken: list[tuple[float, float]], rng: Rng) -> Thing:
+    made = Thing(name, "movable_object", plan.kinds.get(name, name), _look(rng))
+    x, y, z = juicer.at
+    if name in plan.inside:
+        dx, dy = ((-0.035, 0.0), (0.03, 0.03), (0.03, -0.03))[list(plan.inside).index(name)]
+        return replace(made, at=(x + dx, y + dy, z + HOPPER_BOTTOM + 0.01 + rise_of(made)))
+    if name in plan.squeezed:
+        step = list(plan.squeezed).index(name)
+        return replace(made, at=(x + RIND_PLACE[0] - 0.075 * step, y, z + 0.009), squeezed=True)
+    fx, fy = front(taken, rng)
+    return replace(made, at=(fx, fy, z + rise_of(made) + 0.003))
+
+
+def _look(rng: Rng) -> int:
+    return int(rng.integers(2**31))

@@ -1,0 +1,158 @@
+"""The eight skills: what they do, and why they fail (method 10.5)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pix2pred.domains.home.drawing.movables import KINDS
+from pix2pred.domains.home.drawing.vessels import HOPPER_RADIUS, HOPPER_TOP, RIND_PLACE
+from pix2pred.domains.home.episode import SkillFailedError
+from pix2pred.domains.home.places import (
+    Region,
+    hopper_contents,
+    in_hopper,
+    in_region,
+    reachable,
+    region_middle,
+)
+from pix2pred.domains.home.settling import let_go, rise_of
+from pix2pred.domains.home.world import Thing, World
+
+FULL = 0.9
+"""The share of a vessel that is filled when it is full."""
+
+MOST_FRUITS = 3
+"""Fruits that the hopper takes."""
+
+
+def pick_container(world: World, name: str) -> World:
+    """Take a vessel; what is in it stays in it."""
+    return _taken(world, name)
+
+
+def pick_movable(world: World, name: str) -> World:
+    """Take a fruit. What is in the hopper stays there."""
+    for juicer in world.of_type("juicer"):
+        if in_hopper(world, name, juicer.name):
+            raise SkillFailedError(f"{name} is inside {juicer.name}")
+    return _taken(world, name)
+
+
+def place_in_waste_region(world: World, name: str, juicer: str) -> World:
+    """Put the held vessel under the waste valve."""
+    return _placed(world, name, juicer, Region.WASTE)
+
+
+def place_in_juice_region(world: World, name: str, juicer: str) -> World:
+    """Put the held vessel under the juice valve."""
+    return _placed(world, name, juicer, Region.JUICE)
+
+
+def place_inside(world: World, name: str, juicer: str) -> World:
+    """Let go of the held fruit over the open hopper."""
+    _holds(world, name)
+    machine, fruit = world.thing(juicer), world.thing(name)
+    if not machine.opened:
+        raise SkillFailedError(f"the lid of {juicer} is closed")
+    if not reachable(machine):
+        raise SkillFailedError(f"{juicer} is out of reach")
+    if fruit.squeezed:
+        raise SkillFailedError(f"{name} is squeezed already")
+    if KINDS[fruit.kind].radius > HOPPER_RADIUS:
+        raise SkillFailedError(f"{name} is too large for {juicer}")
+    inside = hopper_contents(world, juicer)
+    if len(inside) >= MOST_FRUITS:
+        raise SkillFailedError(f"{juicer} is full")
+    dx, dy = ((-0.035, 0.0), (0.03, 0.03), (0.03, -0.03))[len(inside)]
+    x, y, z = machine.at
+    after = let_go(world, name, (x + dx, y + dy, z + HOPPER_TOP + rise_of(fruit)))
+    after = replace(after, gaze=juicer)
+    if not in_hopper(after, name, juicer):
+        raise SkillFailedError(f"{name} did not come to rest inside {juicer}", after)
+    return after
+
+
+def pour(world: World, source: str, target: str) -> World:
+    """Pour what the held vessel holds into another one."""
+    _holds(world, source)
+    poured, into = world.thing(source), world.thing(target)
+    if not poured.contents:
+        raise SkillFailedError(f"there is nothing in {source} to pour out")
+    if into.contents:
+        raise SkillFailedError(f"{target} is full")
+    if not reachable(into):
+        raise SkillFailedError(f"{target} is out of reach")
+    emptied = replace(poured, contents=(), amount=0.0)
+    filled = replace(into, contents=poured.contents, amount=poured.amount)
+    return replace(world.with_thing(emptied, filled), gaze=target)
+
+
+def close_lid(world: World, juicer: str) -> World:
+    """Close the juicer's lid."""
+    _hand_is_empty(world)
+    machine = world.thing(juicer)
+    if not reachable(machine):
+        raise SkillFailedError(f"{juicer} is out of reach")
+    if not machine.opened:
+        raise SkillFailedError(f"the lid of {juicer} is closed already")
+    return replace(world.with_thing(replace(machine, opened=False)), gaze=juicer)
+
+
+def run_machine(world: World, juicer: str, juice_cup: str, waste_cup: str) -> World:
+    """Juice whatever is in the hopper: juice into one cup, pulp into the other, the rinds onto the tray."""
+    _hand_is_empty(world)
+    machine = world.thing(juicer)
+    if not reachable(machine):
+        raise SkillFailedError(f"{juicer} is out of reach")
+    if not machine.powered:
+        raise SkillFailedError(f"{juicer} has no power")
+    if machine.opened:
+        raise SkillFailedError(f"the lid of {juicer} is open")
+    fruits = hopper_contents(world, juicer)
+    if not fruits:
+        raise SkillFailedError(f"there is no fruit in {juicer}")
+    for cup, region in ((juice_cup, Region.JUICE), (waste_cup, Region.WASTE)):
+        if not in_region(world, cup, juicer, region):
+            raise SkillFailedError(f"{cup} does not stand under the {region.name.lower()} valve of {juicer}")
+        if world.thing(cup).contents:
+            raise SkillFailedError(f"{cup} is full")
+    juice = replace(world.thing(juice_cup), contents=tuple(sorted(world.thing(f).kind for f in fruits)), amount=FULL)
+    pulp = replace(world.thing(waste_cup), contents=("pulp",), amount=FULL)
+    return replace(world.with_thing(juice, pulp, *_rinds(world, machine, fruits)), gaze=juice_cup)
+
+
+def _rinds(world: World, machine: Thing, fruits: tuple[str, ...]) -> list[Thing]:
+    """The squeezed fruits, side by side on the tray."""
+    x, y, z = machine.at
+    lying = sum(t.squeezed and abs(t.at[1] - y) < 0.3 for t in world.of_type("movable_object"))
+    places = [(x + RIND_PLACE[0] - 0.075 * (lying + i), y, z + 0.009) for i in range(len(fruits))]
+    return [replace(world.thing(f), at=at, squeezed=True) for f, at in zip(fruits, places, strict=True)]
+
+
+def _placed(world: World, name: str, juicer: str, region: Region) -> World:
+    _holds(world, name)
+    machine = world.thing(juicer)
+    if not reachable(machine):
+        raise SkillFailedError(f"{juicer} is out of reach")
+    for other in world.of_type("container"):
+        if other.name != name and in_region(world, other.name, juicer, region):
+            raise SkillFailedError(f"{other.name} stands under the {region.name.lower()} valve already")
+    at = region_middle(machine, region)
+    return replace(world.with_thing(replace(world.thing(name), at=at)), holding=None, gaze=name)
+
+
+def _hand_is_empty(world: World) -> None:
+    if world.holding is not None:
+        raise SkillFailedError(f"the hand already holds {world.holding}")
+
+
+def _holds(world: World, name: str) -> None:
+    if world.holding != name:
+        raise SkillFailedError(f"{name} is not held" + (f", {world.holding} is" if world.holding else ""))
+
+
+def _taken(world: World, name: str) -> World:
+    _hand_is_empty(world)
+    if not reachable(world.thing(name)):
+        raise SkillFailedError(f"{name} is out of reach")
+    return replace(world, holding=name, gaze=name)

@@ -1,0 +1,89 @@
+"""Cleanup with perfect labels: the printed operators, their plans, and the novel goals (method 10.4, 14.1)."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import golden
+import home_truth
+from extras import need
+from pix2pred.domains.cleanup import CleanupDomain
+from pix2pred.domains.cleanup.truth import concept_value
+from pix2pred.domains.home.episode import HomeEnvironment
+from pix2pred.execution.episode import open_loop
+from pix2pred.execution.parameters import Parameters
+from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
+from pix2pred.planning import AStar, Planner
+from pix2pred.structs import Operator, PlanStatus, TruthTable
+
+pytestmark = need("mujoco", extra="sim")
+
+DOMAIN = CleanupDomain()
+PREDICATES = home_truth.visual(
+    DOMAIN,
+    {
+        "IsOnFloor": ("movable_object",),
+        "IsEraser": ("movable_object",),
+        "NoObjectsOnTop": ("table",),
+        "IsOn": ("movable_object", "table"),
+    },
+)
+CONCEPTS = {
+    PREDICATES["IsOnFloor"]: "on_floor",
+    PREDICATES["IsEraser"]: "is_eraser",
+    PREDICATES["NoObjectsOnTop"]: "clear",
+    PREDICATES["IsOn"]: "on_table",
+}
+SETTINGS = LearningSettings.model_validate(DOMAIN.settings("new-objects"))
+
+
+@cache
+def table(seed: int = 0) -> TruthTable:
+    return home_truth.true_table(DOMAIN, CONCEPTS, concept_value, seed)
+
+
+@cache
+def operators() -> tuple[Operator, ...]:
+    return tuple(learn_operators(table(), SETTINGS))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_printed_operators_are_learned_exactly(seed: int) -> None:
+    learned = learn_operators(table(seed), SETTINGS)
+    assert [home_truth.shape(op) for op in learned] == [home_truth.shape(op) for op in golden.load_operators("cleanup")]
+    assert [law for op in learned for law in op.broken_laws()] == []
+
+
+def test_the_printed_predicates_are_selected() -> None:
+    selection = hill_climbing(table(), SETTINGS).run()
+    assert {p.name for p in selection.selected} == set(PREDICATES)
+
+
+@pytest.mark.parametrize(("family", "length"), [("novel-goal-1", 5), ("novel-goal-2", 6)])
+@pytest.mark.parametrize("index", range(2))
+def test_novel_goals_have_the_printed_lengths_and_are_reached(family: str, length: int, index: int) -> None:
+    start = DOMAIN.start(family, 0, index)
+    objects, atoms = home_truth.true_atoms(DOMAIN, start.world, CONCEPTS, concept_value)
+    goal = DOMAIN.goal_of(start)
+    found = Planner(AStar()).plan(operators(), objects, atoms, goal)
+    assert found.status == PlanStatus.SOLVED and len(found.plan) == length
+    episode = HomeEnvironment(DOMAIN.rules, start.world, goal)
+    outcome = open_loop(found.plan, episode, Parameters({}, np.random.default_rng(0)))
+    assert outcome.goal_reached, outcome.detail
+
+
+@pytest.mark.parametrize("family", ["new-objects", "new-background", "more-objects"])
+@pytest.mark.parametrize("index", range(3))
+def test_the_other_variants_are_solved(family: str, index: int) -> None:
+    start = DOMAIN.start(family, 1, index)
+    objects, atoms = home_truth.true_atoms(DOMAIN, start.world, CONCEPTS, concept_value)
+    goal = DOMAIN.goal_of(start)
+    found = Planner(AStar()).plan(operators(), objects, atoms, goal)
+    assert found.status == PlanStatus.SOLVED
+    outcome = open_loop(
+        found.plan, HomeEnvironment(DOMAIN.rules, start.world, goal), Parameters({}, np.random.default_rng(0))
+    )
+    assert outcome.goal_reached, outcome.detail
