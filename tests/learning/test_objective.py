@@ -26,10 +26,10 @@ from pix2pred.learning import (
     learn_operators,
     load_traces,
 )
-from pix2pred.learning.objective.demo_tasks import GroundBits, relevant_task
 from pix2pred.learning.objective.exact_tree import ExactTree
 from pix2pred.learning.objective.expected_nodes import ExpectedNodes
 from pix2pred.learning.objective.planning_effort import DemoObjective, DemoScore, Effort
+from pix2pred.learning.objective.relevant import GroundBits, relevant_task
 from pix2pred.learning.strategies import operator_learner, stopping_rule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.planning import LMCut, Strips
