@@ -28,7 +28,7 @@ from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.files import write_whole
 from pix2pred.system.parallel import Backend, Workers
 
-PUBLISHED = LearningSettings()
+DEFAULTS = LearningSettings()
 
 
 def select(
@@ -39,7 +39,7 @@ def select(
     pddl: Annotated[Path | None, Parameter(help="Folder for domain.pddl and a problem per demonstration.")] = None,
     score: Annotated[str | None, Parameter(help="Score this set (A,B; empty: none) instead of searching.")] = None,
     tie_seeds: Annotated[int, Parameter(help="With --score: min, median, max of J over this many seeds.")] = 0,
-    chosen: Annotated[LearningSettings, Parameter(name="*", group="Settings, over those in the file")] = PUBLISHED,
+    chosen: Annotated[LearningSettings, Parameter(name="*", group="Settings, over those in the file")] = DEFAULTS,
     jobs: Annotated[int, Parameter(help="Workers that share the planning searches; the result is the same.")] = 1,
     backend: Annotated[Backend, Parameter(help="Engine of the workers; dask and ray are extras.")] = Backend.LOKY,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from pix2pred.learning import selection_cautions
 from pix2pred.pipeline import Asked, LearningProblem, Selected
 from pix2pred.predicates import Occurrence, goal_warnings
 from pix2pred.structs import Label
@@ -35,6 +36,8 @@ def selected_metrics(
     """``before`` brought up to date with what was selected and learned with so many ``corrections``."""
     model, table, selection = selected.model, selected.table, selected.selection
     warnings = [*goal_warnings(table.demos), *before.get("missing_answers", ())]
+    skills = {action.skill for demo in table.demos for action in demo.actions}
+    warnings += [caution.sentence for caution in selection_cautions(selection, skills)]
     lacking = [op.name for op in model.operators if op.skill.dimension and op.name not in samplers]
     if lacking and "samplers" in before:
         warnings.append(

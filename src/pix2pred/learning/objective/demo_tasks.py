@@ -1,9 +1,9 @@
 """Demonstrations as small planning tasks: grounding learned operators and simplifying (method 6.5, items 1 and 5).
 
-Names do not matter for J, so demonstrations with as many objects of every type share one numbering of objects, facts and
-ground operators. Within a type objects are numbered in the order in which they are acted on, so that demonstrations that
-do the same with other objects become equal tasks. Operators with few parameters are grounded once per numbering and
-shared by all candidate sets; wrong labels can give operators of eight parameters and more, of which only reachable
+Names do not matter for J, so demonstrations with as many objects of every type share one numbering of objects, facts
+and ground operators. Within a type objects are numbered in the order in which they are acted on, so that demonstrations
+that do the same with other objects become equal tasks. Operators with few parameters are grounded once per numbering
+and shared by all candidate sets; wrong labels can give operators of eight parameters and more, of which only reachable
 instances are made (method 6.5, item 8).
 """
 

@@ -8,9 +8,9 @@ have been expanded for certain, all other nodes with the probability above. Two 
 ancestors that different nodes share are counted as if they were not shared, and skeletons after a plateau's first are
 spaced evenly over the rest of it (their weight in J_d is 1e-5 or less).
 
-A plateau whose different nodes have more than ``exact_children`` children is not expanded for its exact counts. How many
-goals it has, up to what matters, is found depth first; when the first is found, by a few searches with random ties. Where it has too
-few goals to end the search it is left as soon as the node budget is certain to be exceeded.
+A plateau whose different nodes have more than ``exact_children`` children is not expanded for its exact counts. How
+many goals it has, up to what matters, is found depth first; when the first is found, by a few searches with random
+ties. Where it has too few goals to end the search it is left as soon as the node budget is certain to be exceeded.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class ExpectedNodes:
     - A plateau is expanded for its exact counts if its different nodes have at most ``exact_children`` children.
     - Of a larger one at most ``most_children`` are looked at; more count as a budget hit, since a search would create
       many nodes for each of them.
-    - When its first goal is found is the mean of ``samples`` searches, which create about ``most_sampled`` nodes at most.
+    - When its first goal is found is the mean of ``samples`` searches that create some ``most_sampled`` nodes at most.
     - ``near_tie``: see ``DemoObjective``.
     """
 
