@@ -63,7 +63,7 @@ def large_run(folder: Path, demos: int, predicates: int, states: int) -> RunFold
     (meal, *_) = domain.demonstrations("more-stacks", 0)
     drawn = [_lengthened(replace(meal, name=f"meal-{d:02d}"), d, states) for d in range(demos)]
     vocabulary = domain.vocabulary("more-stacks")
-    settings = Settings(learning=LearningSettings(max_plans=2, j_threshold=1e9))
+    settings = Settings(learning=LearningSettings(operators="cluster-and-intersect", max_plans=2, j_threshold=1e9))
     with RunFolder(folder).locked() as run:
         model = Talkative(predicates)
         run.claim(

@@ -90,7 +90,7 @@ def push(world: World, params: Params, index: int) -> Push:
 def pushing_operator(pushes: Sequence[Push]) -> Operator | None:
     """The learned operator that makes the kettle boil, if a push of it was demonstrated."""
     table = TruthTable(INITIAL, (), tuple(p.labels for p in pushes))
-    operators = learn_operators(table, LearningSettings())
+    operators = learn_operators(table, LearningSettings(operators="cluster-and-intersect"))
     return next((op for op in operators if op.add), None)
 
 

@@ -21,7 +21,7 @@ from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import Request, VLMError
 from predicates.scripted import TYPES, ScriptedVLM, demo
 
-SETTINGS = LearningSettings(max_plans=20, node_budget=5_000)
+SETTINGS = LearningSettings(operators="cluster-and-intersect", max_plans=20, node_budget=5_000)
 TABLE = burger_truth.true_table("more-stacks", {"cooked": "cooked", "hand_free": "hand_empty", "held": "held"})
 
 

@@ -127,7 +127,7 @@ def test_plans_are_judged_by_the_true_domain() -> None:
 
 def test_a_selection_and_its_file_score_the_same() -> None:
     workload = make_traces("miconic", 0, 0.0)
-    settings = LearningSettings()
+    settings = LearningSettings(operators="cluster-and-intersect")
     selection = hill_climbing(workload.table, settings).run()
     direct = score_model(workload, [p.name for p in selection.selected], selection.operators)
     document = json.loads(json.dumps(selection_document(selection, settings)))

@@ -34,7 +34,8 @@ def model() -> WorldModel:
     table = burger_truth.true_table("more-stacks", WORDS)
     vocabulary = BurgerDomain().vocabulary("more-stacks")
     chosen = tuple(c.predicate for c in table.pool)
-    return WorldModel(vocabulary, chosen, learn_operators(table, LearningSettings()), "oracle")
+    operators = learn_operators(table, LearningSettings(operators="cluster-and-intersect"))
+    return WorldModel(vocabulary, chosen, operators, "oracle")
 
 
 @cache

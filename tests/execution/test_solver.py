@@ -29,7 +29,7 @@ WORDS = {"cooked": "cooked", "hand_free": "hand_empty"}
 @cache
 def model() -> WorldModel:
     table = burger_truth.true_table("more-stacks", WORDS)
-    operators = learn_operators(table, LearningSettings())
+    operators = learn_operators(table, LearningSettings(operators="cluster-and-intersect"))
     vocabulary = BurgerDomain().vocabulary("more-stacks")
     return WorldModel(vocabulary, tuple(c.predicate for c in table.pool), operators, "oracle")
 

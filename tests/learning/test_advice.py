@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from learning.published import published
 from learning.random_tables import BALL, BOX, candidate, demo, given, table
-from pix2pred.learning import LearningSettings, SupportKind, advice_document, advise, operator_support
+from pix2pred.learning import SupportKind, advice_document, advise, operator_support
 from pix2pred.learning.labels.advice import with_labels
 from pix2pred.learning.labels.doubts import doubted
 from pix2pred.structs import (
@@ -112,7 +113,7 @@ def with_a_mistake() -> TruthTable:
 
 def test_the_label_that_stands_in_the_way_comes_first() -> None:
     mixed = with_a_mistake()
-    settings = LearningSettings(j_threshold=1)
+    settings = published(j_threshold=1)
     advice = advise(mixed, settings)
     assert advice.predicates == (HOT,)
     first = advice.labels[0]
@@ -132,7 +133,7 @@ def test_labels_that_help_only_together_come_before_those_that_do_nothing() -> N
     late = [served(f"late{i}", [], [], [HOT(A), DONE(A)]) for i in range(4)]
     single = [served("b0", [HOT(B)], *RIGHT[1:]), served("b1", [], [HOT(A), HOT(B)], [HOT(A), DONE(A)])]
     mixed = table([DONE], [HOT], [*(served(f"d{i}", *RIGHT) for i in range(8)), *late, *single])
-    labels = advise(mixed, LearningSettings(h_data_frac=0.15, j_threshold=1)).labels
+    labels = advise(mixed, published(h_data_frac=0.15, j_threshold=1)).labels
     assert {a.demo for a in labels} == {d.name for d in (*late, *single)}
     needed, rest = labels[:2], labels[2:]
     assert {a.demo[:4] for a in needed} == {"late"} and all(abs(a.gain) < 0.1 for a in rest)
@@ -163,8 +164,22 @@ def test_of_synonyms_the_one_with_fewer_mistakes_is_advised() -> None:
     demos = [both(served(f"d{i}", *RIGHT)) for i in range(9)]
     last = both(served("last", *RIGHT))
     last.values[1, last.atoms.index(HOT(A))] = Label.FALSE
-    advice = advise(table([DONE], [HOT, warm], [*demos, last]), LearningSettings(j_threshold=1))
+    advice = advise(table([DONE], [HOT, warm], [*demos, last]), published(j_threshold=1))
     assert [p.name for p in advice.predicates] == ["warm"]
+
+
+def test_of_synonyms_the_selected_one_is_advised() -> None:
+    """Its labels are those the model is made of, though the other has fewer mistakes."""
+    warm = candidate("warm", BALL)
+    demos = []
+    for i in range(10):
+        one = served(f"d{i}", *RIGHT)
+        hot = one.values[:, one.atoms.index(HOT(A))].copy()
+        demos.append(replace(one, atoms=(*one.atoms, warm(A)), values=np.column_stack([one.values, hot])))
+    demos[9].values[1, demos[9].atoms.index(HOT(A))] = Label.FALSE
+    source = table([DONE], [HOT, warm], demos)
+    for selected in (HOT, warm):
+        assert advise(source, published(j_threshold=1), selected=[selected]).predicates == (selected,)
 
 
 @pytest.mark.parametrize("objects", [(A, C)])

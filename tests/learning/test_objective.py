@@ -18,18 +18,18 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from learning.published import published
 from learning.random_tables import random_table
 from pix2pred.learning import (
     HillClimbing,
-    LearningSettings,
     hill_climbing,
     learn_operators,
     load_traces,
 )
-from pix2pred.learning.objective.demo_tasks import GroundBits, relevant_task
 from pix2pred.learning.objective.exact_tree import ExactTree
 from pix2pred.learning.objective.expected_nodes import ExpectedNodes
 from pix2pred.learning.objective.planning_effort import DemoObjective, DemoScore, Effort
+from pix2pred.learning.objective.relevant import GroundBits, relevant_task
 from pix2pred.learning.strategies import operator_learner, stopping_rule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.planning import LMCut, Strips
@@ -308,7 +308,7 @@ def with_goals(source: TruthTable, seed: int) -> TruthTable:
 @settings(max_examples=80, deadline=None)
 def test_demonstrations_become_the_tasks_their_atoms_describe(seed: int) -> None:
     table = with_goals(random_table(seed), seed)
-    chosen = LearningSettings(h_pre_frac=0.6)
+    chosen = published(h_pre_frac=0.6)
     parts = HillClimbing(operator_learner(chosen), CountPlans(), stopping_rule(chosen))
     climb = parts.start(IndexedTable(table))
     candidates = [c.predicate for c in table.candidates()]
@@ -341,7 +341,7 @@ def test_grouped_lies_between_the_exact_values_of_25_seeds(workload: TruthTable,
     by_name = {c.predicate.name: c.predicate for c in workload.pool}
 
     def score(**more: object) -> float:
-        chosen = LearningSettings.model_validate(written | more)
+        chosen = published(**(written | more))
         climb = hill_climbing(workload, chosen)
         return climb.score([by_name[n] for n in names]).total
 

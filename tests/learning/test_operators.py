@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from learning import random_tables
 from learning.naive_operators import bijections, canonical, naive_operators, transitions
+from learning.published import published
 from learning.random_tables import BALL, BOX, THING, demo, random_table, table
 from pix2pred.learning import LearningSettings, dump_traces, learn_operators
 from pix2pred.learning.operators.cluster_and_intersect import ClusterAndIntersect
@@ -78,19 +79,19 @@ OP2 = """Op2(?x0:grill, ?x1:patty, ?x2:robot)  Place(?x2, ?x1, ?x0)
     ("h_data", "expected"), [(0.05, [OP0, OP1, OP2]), (0.25, [OP0, OP1, OP2]), (0.4, [OP0]), (0.5, [OP0]), (0.6, [])]
 )
 def test_worked_example(h_data: float, expected: list[str]) -> None:
-    assert lines(worked_example(), LearningSettings(h_data_frac=h_data)) == expected
+    assert lines(worked_example(), published(h_data_frac=h_data)) == expected
 
 
 def test_worked_example_supports_and_soft_intersection() -> None:
-    assert [op.support for op in learn_operators(worked_example(), LearningSettings())] == [2, 1, 1]
+    assert [op.support for op in learn_operators(worked_example(), published())] == [2, 1, 1]
     half = OP0.replace("Holding(?x2, ?x1)\n  add", "Holding(?x2, ?x1), cooked(?x1)\n  add")
-    assert lines(worked_example(), LearningSettings(h_pre_frac=0.5))[0] == half
-    assert lines(worked_example(), LearningSettings(h_pre_frac=0.5, precondition_rule="more_than"))[0] == OP0
+    assert lines(worked_example(), published(h_pre_frac=0.5))[0] == half
+    assert lines(worked_example(), published(h_pre_frac=0.5, precondition_rule="more_than"))[0] == OP0
 
 
 def test_hard_intersection_at_one_keeps_what_always_holds() -> None:
     for rule in ("at_least", "more_than"):
-        chosen = LearningSettings.model_validate({"h_pre_frac": 1.0, "precondition_rule": rule})
+        chosen = published(h_pre_frac=1.0, precondition_rule=rule)
         assert lines(worked_example(), chosen) == [OP0, OP1, OP2]
 
 
@@ -124,7 +125,7 @@ def test_pruning_leaves_gaps_in_the_numbers() -> None:
         return demo("d", (a, b), [Action(skill, (o,))], [[], [hot(x) for x in after]])
 
     demos = [one(heat, a, {b}), *(one(heat, x, {x}) for x in (a, b, a)), one(touch, a, {b})]
-    found = learn_operators(table([hot], [], demos), LearningSettings(h_data_frac=0.3))
+    found = learn_operators(table([hot], [], demos), published(h_data_frac=0.3))
     assert [(op.name, op.support) for op in found] == [("Op1", 3), ("Op2", 1)]  # a share of each skill's own
 
 
@@ -134,7 +135,7 @@ def test_data_share_is_inclusive(share: float, kept: int) -> None:
     heat = Skill("Heat", (BALL,))
     changed = demo("d", [a], [Action(heat, (a,))], [[], [hot(a)]])
     same = demo("d", [a], [Action(heat, (a,))], [[], []])
-    found = learn_operators(table([hot], [], [same, *[changed] * 19]), LearningSettings(h_data_frac=share))
+    found = learn_operators(table([hot], [], [same, *[changed] * 19]), published(h_data_frac=share))
     assert len(found) == kept
 
 
@@ -147,12 +148,12 @@ def test_objects_beside_the_arguments_need_a_search() -> None:
     def one(x: Object, y: Object, z: Object) -> LabelledDemo:
         return demo("d", (a, b, c), [Action(go, ())], [[clear(z)], [inside(x, y), inside(y, z), clear(z)]])
 
-    (op,) = learn_operators(table([inside, clear], [], [one(a, b, c), one(c, a, b), one(b, c, a)]), LearningSettings())
+    (op,) = learn_operators(table([inside, clear], [], [one(a, b, c), one(c, a, b), one(b, c, a)]), published())
     assert str(op) == (
         "Op0(?x0:ball, ?x1:ball, ?x2:ball)  Go()\n  pre Clear(?x2)\n  add In(?x0, ?x1), In(?x1, ?x2)\n  del -"
     )
     circle = demo("d", (a, b, c), [Action(go, ())], [[], [inside(a, b), inside(b, a)]])
-    found = learn_operators(table([inside, clear], [], [one(a, b, c), circle]), LearningSettings())
+    found = learn_operators(table([inside, clear], [], [one(a, b, c), circle]), published())
     assert [op.support for op in found] == [1, 1]
 
 
@@ -164,9 +165,9 @@ def test_interchangeable_objects_take_the_first_bijection_in_sorted_order() -> N
     def one(marked: Object) -> LabelledDemo:
         return demo("d", (a, b), [Action(go, ())], [[clear(marked)], [clear(marked), hot(a), hot(b)]])
 
-    (op,) = learn_operators(table([hot, clear], [], [one(a), one(a)]), LearningSettings())
+    (op,) = learn_operators(table([hot, clear], [], [one(a), one(a)]), published())
     assert [str(p) for p in op.preconditions] == ["Clear(?x0)"]
-    (op,) = learn_operators(table([hot, clear], [], [one(a), one(b)]), LearningSettings())
+    (op,) = learn_operators(table([hot, clear], [], [one(a), one(b)]), published())
     assert op.preconditions == frozenset()  # a to a and b to b: the marks do not line up
 
 
@@ -174,7 +175,7 @@ def test_types_must_be_equal_not_related() -> None:
     clear, touch = random_tables.given("Clear", THING), Skill("Touch", (THING,))
     things = (Object("a", BALL), Object("b", BOX), Object("c", THING), Object("d", BALL))
     demos = [demo("d", [o], [Action(touch, (o,))], [[], [clear(o)]]) for o in things]
-    found = learn_operators(table([clear], [], demos), LearningSettings(h_data_frac=0))
+    found = learn_operators(table([clear], [], demos), published(h_data_frac=0))
     assert [(op.parameters[0].type.name, op.support) for op in found] == [("ball", 2), ("box", 1), ("thing", 1)]
 
 
@@ -185,21 +186,21 @@ def test_add_and_delete_never_mix_and_repeated_arguments_differ_from_distinct_on
     added = demo("d", (a, b), [Action(put, (a, b))], [[], [inside(a, b)]])
     deleted = demo("d", (a, b), [Action(put, (a, b))], [[inside(a, b)], []])
     looped = demo("d", (a, b), [Action(put, (a, a))], [[], [inside(a, a)]])
-    found = learn_operators(table([inside], [], [added, deleted, looped]), LearningSettings())
+    found = learn_operators(table([inside], [], [added, deleted, looped]), published())
     assert [(len(op.parameters), len(op.add), len(op.delete)) for op in found] == [(2, 1, 0), (2, 0, 1), (1, 1, 0)]
 
 
 def test_a_skill_without_arguments_and_effects_on_no_object_makes_one_class() -> None:
     lit, go = random_tables.given("Lit"), Skill("Go", ())
     one = demo("d", [Object("a", BALL)], [Action(go, ())], [[], [lit()]])
-    found = learn_operators(table([lit], [], [one, one, one]), LearningSettings(h_data_frac=0.4))
+    found = learn_operators(table([lit], [], [one, one, one]), published(h_data_frac=0.4))
     assert [(op.name, op.support) for op in found] == [("Op0", 3)]
 
 
 def test_hostile_no_demonstrations_no_actions_no_objects() -> None:
     lit = random_tables.given("Lit")
-    assert learn_operators(table([lit], [], []), LearningSettings()) == ()
-    assert learn_operators(table([lit], [], [demo("d", [], [], [[lit()]])]), LearningSettings()) == ()
+    assert learn_operators(table([lit], [], []), published()) == ()
+    assert learn_operators(table([lit], [], [demo("d", [], [], [[lit()]])]), published()) == ()
 
 
 def test_unknown_labels_count_as_false() -> None:
@@ -208,7 +209,7 @@ def test_unknown_labels_count_as_false() -> None:
     values = t4.values.copy()
     values[1, [a.predicate.name for a in t4.atoms].index("hot")] = -1
     changed = LabelledDemo(t4.name, t4.objects, t4.actions, t4.goal, t4.atoms, values)
-    found = learn_operators(TruthTable(source.initial, source.pool, (*source.demos[:3], changed)), LearningSettings())
+    found = learn_operators(TruthTable(source.initial, source.pool, (*source.demos[:3], changed)), published())
     assert [op.support for op in found] == [3, 1]
 
 
@@ -220,7 +221,7 @@ def test_unknown_labels_count_as_false() -> None:
 def test_agrees_with_the_naive_implementation(seed: int, h_pre: float, h_data: float, strict: bool) -> None:
     source = random_table(seed)
     rule = "more_than" if strict else "at_least"
-    chosen = LearningSettings.model_validate({"h_pre_frac": h_pre, "h_data_frac": h_data, "precondition_rule": rule})
+    chosen = published(h_pre_frac=h_pre, h_data_frac=h_data, precondition_rule=rule)
     assert learn_operators(source, chosen) == naive_operators(source, h_pre, h_data, strict)
 
 
@@ -228,7 +229,7 @@ def test_agrees_with_the_naive_implementation(seed: int, h_pre: float, h_data: f
 @settings(max_examples=150, deadline=None)
 def test_structural_laws(seed: int, h_pre: float) -> None:
     source = random_table(seed)
-    for op in learn_operators(source, LearningSettings(h_pre_frac=h_pre)):
+    for op in learn_operators(source, published(h_pre_frac=h_pre)):
         assert list(op.broken_laws()) == []
         assert op.support >= 1
         assert [v.name for v in op.parameters] == [f"?x{i}" for i in range(len(op.parameters))]
@@ -249,7 +250,7 @@ def test_the_order_of_predicates_atoms_and_objects_does_not_matter(seed: int) ->
         tuple(rng.sample(source.pool, len(source.pool))),
         tuple(shuffled(d) for d in source.demos),
     )
-    assert learn_operators(mixed, LearningSettings()) == learn_operators(source, LearningSettings())
+    assert learn_operators(mixed, published()) == learn_operators(source, published())
 
 
 @given(SEEDS)
@@ -259,7 +260,7 @@ def test_the_order_of_demonstrations_changes_only_numbers_and_names_of_variables
     mixed = TruthTable(source.initial, source.pool, tuple(rng.sample(source.demos, len(source.demos))))
     every = transitions(source)
     unique = all(len(bijections(t, t)) == 1 for t in every)  # no interchangeable objects anywhere
-    before, after = (learn_operators(t, LearningSettings(h_data_frac=0)) for t in (source, mixed))
+    before, after = (learn_operators(t, published(h_data_frac=0)) for t in (source, mixed))
     assert sorted(repr(canonical(op, unique)) for op in before) == sorted(repr(canonical(op, unique)) for op in after)
 
 
@@ -290,9 +291,10 @@ import sys
 from pathlib import Path
 from pix2pred.learning import LearningSettings, hill_climbing, learn_operators, load_traces
 traces = load_traces(Path(sys.argv[1]))
-for op in learn_operators(traces.table, LearningSettings()):
+published = LearningSettings(operators="cluster-and-intersect", j_threshold=0, max_plans=20)
+for op in learn_operators(traces.table, published):
     print(op)
-settings = LearningSettings(j_threshold=0, max_plans=20)
+settings = published
 found = hill_climbing(traces.table, settings).run()
 for step in found.steps:
     print(step.added, repr(step.j), [(r.predicate.name, repr(r.j)) for r in step.runners_up])
@@ -329,6 +331,6 @@ def test_variables_are_numbered_by_object_name_not_by_argument_order() -> None:
     inside = random_tables.given("In", THING, THING)
     box, ball = Object("a_box", BOX), Object("z_ball", BALL)
     one = demo("d", (box, ball), [Action(put, (ball, box))], [[], [inside(ball, box)]])
-    (op,) = learn_operators(table([inside], [], [one]), LearningSettings())
+    (op,) = learn_operators(table([inside], [], [one]), published())
     assert op.parameters == (Variable("?x0", BOX), Variable("?x1", BALL))
     assert op.skill_args == (Variable("?x1", BALL), Variable("?x0", BOX))

@@ -9,6 +9,7 @@ import pytest
 
 import burger_truth
 from burger_pool import Workload, workload, wrong_labels
+from learning.published import published
 from learning.random_tables import BALL, candidate, demo, given, table
 from pix2pred.learning import LearningSettings, Selection, hill_climbing, learn_operators
 from pix2pred.learning.labels.hidden_markov import EffectKind, HiddenMarkovLabels, LabelPosterior
@@ -137,9 +138,9 @@ def test_families_can_be_mixed() -> None:
     initial = tuple(sorted({p for part in parts for p in part.initial}))
     demos = [d for part in parts for d in part.demos]
     mixed = TruthTable(initial, parts[-1].pool, tuple(demos))
-    published = learn_operators(mixed, LearningSettings(h_data_frac=0))
-    assert len(learn_operators(mixed, LearningSettings())) < len(published)
-    assert len(learn_operators(mixed, ROBUST)) == len(published)
+    every_class = learn_operators(mixed, published(h_data_frac=0))
+    assert len(learn_operators(mixed, published())) < len(every_class)
+    assert len(learn_operators(mixed, ROBUST)) == len(every_class)
     noisy = wrong_labels(mixed, 0.05, seed=0)
     assert effects(learn_operators(noisy, ROBUST)) == effects(learn_operators(mixed, ROBUST))
 
@@ -184,7 +185,7 @@ def test_workers_do_not_change_the_result() -> None:
     from pix2pred.system.parallel import Workers
 
     source = wrong_labels(workload("combo", 40, seed=6).table, 0.02, seed=6)
-    for settings in (ROBUST, LearningSettings()):
+    for settings in (ROBUST, published()):
         with Workers(2).ready() as apply:
             shared = hill_climbing(source, settings, apply).run()
         assert shared == hill_climbing(source, settings).run()

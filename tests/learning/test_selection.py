@@ -6,9 +6,17 @@ from collections.abc import Mapping
 
 import pytest
 
+from learning.published import published
 from learning.random_tables import BALL, candidate, demo, given, table
 from learning.random_workloads import random_workload
-from pix2pred.learning import HillClimbing, LearningSettings, Selection, hill_climbing
+from pix2pred.learning import (
+    ClimbEnd,
+    HillClimbing,
+    LearningSettings,
+    Selection,
+    hill_climbing,
+    selection_document,
+)
 from pix2pred.learning.objective.planning_effort import DemoScore
 from pix2pred.learning.selection.published_rules import ImprovementStop, LevelStop
 from pix2pred.learning.selection.stopping_rule import StoppingRule
@@ -22,11 +30,11 @@ ENGINES = pytest.mark.parametrize("engine", ["grouped", "exact-tree"])
 
 
 def climb(source: TruthTable, **chosen: object) -> Selection:
-    settings = LearningSettings.model_validate(chosen)
+    settings = published(**chosen)
     return hill_climbing(source, settings).run()
 
 
-def published(settings: LearningSettings) -> StoppingRule:
+def rule_of(settings: LearningSettings) -> StoppingRule:
     """Strict minimum, first by name."""
     return (LevelStop if settings.early_stop == "level" else ImprovementStop)(settings.j_threshold)
 
@@ -138,21 +146,21 @@ class Scripted:
 )  # fmt: skip
 def test_improvement_and_level_stop_differently(early_stop: str, threshold: float, steps: int) -> None:
     """J per demonstration 600, 100, 1: drops of 1500 and 297. What buys too little is not added."""
-    settings = LearningSettings.model_validate({"early_stop": early_stop, "j_threshold": threshold})
-    parts = HillClimbing(operator_learner(settings), Scripted([600.0, 100.0, 1.0]), published(settings))
+    settings = published(early_stop=early_stop, j_threshold=threshold)
+    parts = HillClimbing(operator_learner(settings), Scripted([600.0, 100.0, 1.0]), rule_of(settings))
     found = parts.fit(kitchen())
     assert [round(s.j) for s in found.steps] == [1800, 300, 3][:steps]
 
 
 def test_what_does_not_improve_is_not_added() -> None:
-    settings = LearningSettings(j_threshold=0)
+    settings = published(j_threshold=0)
     for values in ([5.0, 5.0, 5.0], [5.0, 6.0, 1.0]):  # no look-ahead over a worse step either
-        found = HillClimbing(operator_learner(settings), Scripted(values), published(settings)).fit(kitchen())
+        found = HillClimbing(operator_learner(settings), Scripted(values), rule_of(settings)).fit(kitchen())
         assert (found.selected, len(found.steps)) == ((), 1)
 
 
 def test_selected_predicates_that_are_no_precondition_are_dropped() -> None:
-    settings = LearningSettings(j_threshold=0)
+    settings = published(j_threshold=0)
     # true after the last step only: an effect of Serve, never a precondition
     source = kitchen({"after": [0, 0, 0, 1]})
     only = TruthTable(source.initial, tuple(c for c in source.pool if c.predicate.name == "after"), source.demos)
@@ -165,7 +173,7 @@ def test_selected_predicates_that_are_no_precondition_are_dropped() -> None:
             self.calls += 1
             return DemoScore(100.0 / self.calls)
 
-    climbing = HillClimbing(operator_learner(settings), Better(), published(settings)).start(IndexedTable(only))
+    climbing = HillClimbing(operator_learner(settings), Better(), rule_of(settings)).start(IndexedTable(only))
     climbing._objective._known = _Forgetful()
     found = climbing.run()
     assert names(found.dropped) == ["after"]
@@ -184,7 +192,7 @@ class _Forgetful(dict):  # type: ignore[type-arg]
 
 def test_hostile_scoring_a_candidate_that_is_never_true() -> None:
     source = kitchen({"never": [0, 0, 0, 0]})
-    settings = LearningSettings()
+    settings = published()
     never = next(c.predicate for c in source.pool if c.predicate.name == "never")
     climbing = hill_climbing(source, settings)
     try:
@@ -206,8 +214,20 @@ def test_the_default_engine_picks_what_the_search_to_the_letter_finds_as_good() 
         assert mine
         assert not {"constant", "noise"} & {*mine} or {"constant", "noise"} & {*theirs}
         if mine != theirs:
-            letter = LearningSettings(engine="exact-tree", node_budget=1000, max_plans=20)
+            letter = published(engine="exact-tree", node_budget=1000, max_plans=20)
             judged = hill_climbing(workload.table, letter).score([*grouped.selected, *grouped.dropped])
             assert judged.total <= 1.02 * exact.steps[-1].j, (seed, mine, theirs)
             different.append(seed)
     assert len(different) <= WORKLOADS // 10, different
+
+
+def test_why_a_climb_ended_is_told() -> None:
+    source = kitchen()
+    assert climb(source, j_threshold=0).end is ClimbEnd.NOTHING_BETTER
+    assert climb(source, j_threshold=100).end is ClimbEnd.GOOD_ENOUGH
+    assert climb(source, j_threshold=1e6).end is ClimbEnd.GOOD_ENOUGH_AT_ONCE
+    assert climb(source, early_stop="improvement", j_threshold=1e6).end is ClimbEnd.NOTHING_WORTHWHILE
+    assert climb(source, operators="robust", j_threshold=1e6).end is not ClimbEnd.GOOD_ENOUGH_AT_ONCE
+    empty = TruthTable(source.initial, (), source.demos)
+    assert climb(empty, j_threshold=1e6).end is climb(empty, j_threshold=0).end is ClimbEnd.NO_CANDIDATES
+    assert selection_document(climb(source, j_threshold=100), published())["end"] == "good-enough"

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from learning.published import published
 from learning.random_tables import BALL, candidate, demo, given, table
-from pix2pred.learning import LearningSettings, Selection, hill_climbing, load_traces
+from pix2pred.learning import Selection, hill_climbing, load_traces
 from pix2pred.learning.objective.objective import Score
 from pix2pred.learning.strategies import stopping_rule
 from pix2pred.learning.transitions import IndexedTable
@@ -34,7 +35,7 @@ def lights(*big: set[Object]) -> TruthTable:
 
 
 def climb(source: TruthTable, **chosen: object) -> Selection:
-    return hill_climbing(source, LearningSettings.model_validate({"j_threshold": 0} | chosen)).run()
+    return hill_climbing(source, published(**({"j_threshold": 0} | chosen))).run()
 
 
 def names(predicates: tuple[Predicate, ...]) -> set[str]:
@@ -66,7 +67,7 @@ def test_a_static_predicate_needs_demonstrations_in_which_it_tells_objects_apart
 
 def test_a_pinned_static_predicate_is_taken_at_once() -> None:
     source = lights({B}, {A, B})
-    assert names(hill_climbing(source, LearningSettings(j_threshold=0), pinned=[BIG]).run().selected) >= {"big"}
+    assert names(hill_climbing(source, published(j_threshold=0), pinned=[BIG]).run().selected) >= {"big"}
 
 
 def score(total: float) -> Score:
@@ -81,9 +82,7 @@ def score(total: float) -> Score:
 def test_a_predicate_is_superfluous_when_the_early_stop_would_not_have_asked_for_it(
     early_stop: str, fewer: float, reached: float, as_good: bool
 ) -> None:
-    rule = stopping_rule(
-        LearningSettings(operators="cluster-and-intersect", early_stop=early_stop, j_threshold=100, superseded="drop")
-    )
+    rule = stopping_rule(published(early_stop=early_stop, j_threshold=100, superseded="drop"))
     assert rule.looks_back
     assert rule.as_good(score(fewer), score(reached)) == as_good
 

@@ -22,7 +22,7 @@ from pix2pred.planning import AStar, Planner
 from pix2pred.structs import LiftedAtom, Operator, PlanStatus, TruthTable
 
 WORDS = {"CupReceivingLiquid": "cup_receiving", "JugFilled": "jug_filled", "JugInMachine": "jug_in_machine"}
-SETTINGS = CoffeeDomain().settings("three-cups")
+SETTINGS = {"operators": "cluster-and-intersect", **CoffeeDomain().settings("three-cups")}
 
 
 def _shape(op: Operator) -> tuple[object, ...]:

@@ -16,7 +16,7 @@ from pix2pred.vlm.noise.oracle import NoisyOracle
 
 pytestmark = need("mujoco", "gymnasium_robotics", extra="sim")
 WORDS = ("burner_on", "has_kettle", "knob_turned", "kettle_on", "gripper_aside")
-SETTINGS = LearningSettings(j_threshold=100)
+SETTINGS = LearningSettings(operators="cluster-and-intersect", j_threshold=100)
 BURNER_ON = "NOT-[[0:surface].z<=[idx_0]1.59]"
 
 
@@ -43,7 +43,7 @@ def select(table: TruthTable) -> Selection:
 
 def test_the_two_printed_operators_are_learned_exactly() -> None:
     table, _ = kitchen_truth.true_table({"burner_on": "burner_on"})
-    learned = learn_operators(table, LearningSettings())
+    learned = learn_operators(table, LearningSettings(operators="cluster-and-intersect"))
     assert [shape(op, "burner_on") for op in learned] == [shape(op, "") for op in golden.load_operators("kitchen")]
     assert [law for op in learned for law in op.broken_laws()] == []
 

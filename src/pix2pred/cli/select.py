@@ -29,7 +29,7 @@ from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.files import write_whole
 from pix2pred.system.parallel import Backend, Workers
 
-PUBLISHED = LearningSettings()
+DEFAULTS = LearningSettings()
 
 
 def select(
@@ -46,7 +46,7 @@ def select(
     tie_seeds: Annotated[
         int, Parameter(help="With --score: min, median, max of J over this many seeds.", validator=between(0, 10_000))
     ] = 0,
-    chosen: Annotated[LearningSettings, Parameter(name="*", group="Settings, over those in the file")] = PUBLISHED,
+    chosen: Annotated[LearningSettings, Parameter(name="*", group="Settings, over those in the file")] = DEFAULTS,
     jobs: Annotated[
         int, Parameter(help="Workers that share the planning searches; the result is the same.", validator=WORKERS)
     ] = 1,

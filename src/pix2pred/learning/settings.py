@@ -1,4 +1,4 @@
-"""Settings of operator learning and selection, with the published values (method 10.7)."""
+"""Settings of operator learning and selection: published values (method 10.7), and the robust learner as default."""
 
 from __future__ import annotations
 
@@ -25,8 +25,9 @@ class LearningSettings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     operators: Annotated[str, AfterValidator(_one_of(LEARNERS))] = Field(
-        "cluster-and-intersect", description="how operators are learned: cluster-and-intersect as published, robust "
-        "allowing for wrong labels", json_schema_extra={"enum": list(LEARNERS)},
+        "robust", description="how operators are learned: robust, allowing for wrong labels, or cluster-and-intersect, "
+        "as published; h_pre_frac, h_data_frac, j_threshold and early_stop are of the latter",
+        json_schema_extra={"enum": list(LEARNERS)},
     )  # fmt: skip
     h_pre_frac: float = Field(
         0.8, ge=0, le=1, description="share of a class's transitions in which a precondition must hold"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,22 +161,35 @@ class IndexedTable:
 
     def _read_states(self, demo: LabelledDemo, marked: NDArray[np.bool_]) -> list[dict[int, Extension]]:
         """Per state and predicate, the argument tuples that are ``marked``."""
-        columns: dict[int, list[tuple[int, ObjectIds]]] = {}
-        for i, atom in enumerate(demo.atoms):
-            if atom.predicate in self._predicate_ids:
-                args = tuple(self._object_ids[o] for o in atom.objects)
-                columns.setdefault(self._predicate_ids[atom.predicate], []).append((i, args))
-        known: dict[Extension, Extension] = {}  # most extensions are equal to many others: keep one of each
+        known = [(atom.predicate in self._predicate_ids) for atom in demo.atoms]
+        places = [
+            (self._predicate_ids[atom.predicate], tuple([self._object_ids[o] for o in atom.objects]))
+            if is_known
+            else None
+            for atom, is_known in zip(demo.atoms, known, strict=True)
+        ]
+        states: list[dict[int, list[ObjectIds]]] = [{} for _ in range(len(marked))]
+        for row, column in np.argwhere(marked).tolist():
+            if (place := places[column]) is not None:
+                states[row].setdefault(place[0], []).append(place[1])
+        unique: dict[Extension, Extension] = {}  # most extensions are equal to many others: keep one of each
 
-        def extension(row: Sequence[bool], atoms: Sequence[tuple[int, ObjectIds]]) -> Extension:
-            found = frozenset([args for i, args in atoms if row[i]])
-            return known.setdefault(found, found)
+        def extension(found: list[ObjectIds]) -> Extension:
+            made = frozenset(found)
+            return unique.setdefault(made, made)
 
-        states = ({p: extension(row, atoms) for p, atoms in columns.items()} for row in marked.tolist())
-        return [{p: found for p, found in state.items() if found} for state in states]
+        return [{p: extension(found) for p, found in state.items()} for state in states]
 
     def _changes(self, predicate: int) -> dict[int, tuple[Extension, Extension]]:
-        return {t: effect for t, tr in enumerate(self.transitions) if any(effect := self._difference(predicate, tr))}
+        """By transition, where there are any, the argument tuples that a predicate gains and loses."""
+        found: dict[int, tuple[Extension, Extension]] = {}
+        t = 0
+        for states in self._extensions:
+            for before, after in pairwise([state.get(predicate, NOTHING) for state in states]):
+                if before is not after and before != after:
+                    found[t] = (after - before, before - after)
+                t += 1
+        return found
 
     def _read_demo(self, demo: LabelledDemo) -> IndexedDemo:
         objects = tuple(sorted(self._object_ids[o] for o in demo.objects))
@@ -191,11 +205,6 @@ class IndexedTable:
             for d, demo in enumerate(demos)
             for step, action in enumerate(demo.actions)
         ]
-
-    def _difference(self, predicate: int, tr: Transition) -> tuple[Extension, Extension]:
-        before = self.extension(tr.demo, tr.step, predicate)
-        after = self.extension(tr.demo, tr.step + 1, predicate)
-        return after - before, before - after
 
 
 def _most_general(own: Type, most: Type, wanted: Sequence[Type]) -> Type:

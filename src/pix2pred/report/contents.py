@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pix2pred.learning import Support, load_traces, operator_support
+from pix2pred.learning import ClimbEnd, Support, load_traces, operator_support
 from pix2pred.predicates import Corrections, ground_atoms
 from pix2pred.predicates.corrections import Row, read_rows, with_atoms
 from pix2pred.predicates.labelling.evidence import Evidence, load_evidence
@@ -88,11 +88,18 @@ class Contents:
         steps, learning = self.selection["steps"], self.config["settings"]["learning"]
         climbed = Climbed(
             int(self.metrics["candidates"]),
-            int(self.selection["evaluations"]) if steps else len(self.model.selected) + 2,
+            self._end,
             float(steps[0]["J"]) if steps else 0.0,
             learning.get("j_threshold"),
         )
         return concerns(self.model, self.table.demos, climbed)
+
+    @property
+    def _end(self) -> ClimbEnd:
+        """Why selection ended; runs of before version 0.2 tell by how many sets they tried."""
+        at_once = self.selection["steps"] and self.selection["evaluations"] <= 1 and self.metrics["candidates"]
+        guess = ClimbEnd.GOOD_ENOUGH_AT_ONCE if at_once else ClimbEnd.NOT_SEARCHED
+        return ClimbEnd(self.selection.get("end", guess))
 
     @property
     def blobs(self) -> tuple[Path, ...]:

@@ -66,8 +66,7 @@ def selected_metrics(
 def climbed(selection: Selection, table: TruthTable, settings: LearningSettings) -> Climbed:
     """How selection went, for the verdict."""
     first = selection.steps[0].j if selection.steps else 0.0
-    tried = selection.evaluations if selection.steps else len(selection.selected) + 2  # nothing was climbed at all
-    return Climbed(len(table.candidates()), tried, first, settings.j_threshold)
+    return Climbed(len(table.candidates()), selection.end, first, settings.j_threshold)
 
 
 def _gap_warnings(asked: Asked) -> list[str]:

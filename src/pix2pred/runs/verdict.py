@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from pix2pred.learning import ClimbEnd
 from pix2pred.structs import GroundOperator, LabelledDemo, LiftedAtom, Operator, WorldModel
 
 
@@ -21,20 +22,15 @@ class Concern:
 
 @dataclass(frozen=True, slots=True)
 class Climbed:
-    """How selection went: candidates there were, sets that were tried, J at the start, and the threshold it stops at.
+    """How selection went: candidates there were, why it ended, J at the start, and the threshold it stops at.
 
     ``threshold`` is None where the stopping rule has none.
     """
 
     candidates: int
-    tried: int
+    end: ClimbEnd
     first_j: float
     threshold: float | None
-
-    @property
-    def ended_before_it_began(self) -> bool:
-        """Whether no candidate was tried although there were some."""
-        return self.candidates > 0 and self.tried <= 1
 
 
 def concerns(model: WorldModel, demos: Sequence[LabelledDemo], climbed: Climbed) -> tuple[Concern, ...]:
@@ -53,7 +49,7 @@ def doubts_about(plan: Iterable[GroundOperator]) -> tuple[str, ...]:
 
 
 def _of_selection(model: WorldModel, climbed: Climbed, *, useful: bool) -> Iterable[Concern]:
-    if climbed.ended_before_it_began:
+    if climbed.end is ClimbEnd.GOOD_ENOUGH_AT_ONCE:
         yield Concern(
             f"No candidate was tried: before anything was selected J was {climbed.first_j:,.0f}, and selection stops "
             f"at or below j_threshold = {climbed.threshold or 0:,.0f}.",

@@ -1,7 +1,8 @@
 """Which labels to check first: those that keep the published learner from the most probable model.
 
 The learner that allows for wrong labels names the predicates the world model should have; of candidates that it takes
-for synonyms, the one with the fewest doubted labels stands for all, as it is the least work to put right. If all
+for synonyms the selected one stands for all, otherwise the one with the fewest doubted labels, as it is the least work
+to put right. If all
 doubted labels of these predicates had their likely values, the published learner would find certain operators, and
 certain values of J on its way to them. Backward elimination orders the labels by what they do to that: the one that
 can best stay as it is comes last, and so on, down to the one that nothing makes up for. Labels that only help together
@@ -72,7 +73,7 @@ def advise(
     identical = dict(robust.identical)
     rivals = {p: (p, *identical.get(p, ())) for p in robust.selected}
     timelines = doubted(table, [q for group in rivals.values() for q in group], unusual=True)
-    chosen = {_cleanest(group, timelines) for group in rivals.values()}
+    chosen = {_representative(group, selected, timelines) for group in rivals.values()}
     labels = [(t, d) for t in timelines if t.atom.predicate in chosen for d in t.doubts]
     others = doubted(table, [p for p in selected if p not in chosen], unusual=True)
     rest = [LabelAdvice(t.demo, t.atom, d, 0.0) for t in others for d in t.doubts]
@@ -97,10 +98,15 @@ def advice_document(advice: Advice) -> dict[str, Any]:
     return {"version": 1, "predicates": [p.name for p in advice.predicates], "labels": rows}
 
 
-def _cleanest(group: Sequence[Predicate], timelines: Sequence[Timeline]) -> Predicate:
-    """The predicate with the fewest labels expected to be wrong, the first by name of several."""
+def _representative(
+    group: Sequence[Predicate], selected: Sequence[Predicate], timelines: Sequence[Timeline]
+) -> Predicate:
+    """Of predicates that are the same after repair the selected one: its labels are those that the model is made of.
+
+    Where none or several are selected, the one with the fewest labels expected to be wrong, then the first by name.
+    """
     wrong = {p: sum(t.expected for t in timelines if t.atom.predicate == p) for p in group}
-    return min(group, key=lambda p: (round(wrong[p], 6), p))
+    return min(group, key=lambda p: (p not in selected, round(wrong[p], 6), p))
 
 
 def _only(table: TruthTable, chosen: set[Predicate]) -> TruthTable:

@@ -21,14 +21,16 @@ NO_LABEL = -1
 class Chains:
     """Labels of some predicates' ground atoms, and the roles of these atoms in the transitions.
 
-    Row i is about atom ``where[i]``, given as (demonstration, objects), of predicate ``predicates[owner[i]]``; rows of
-    a predicate are together. ``labels`` has shape (atoms, states) and holds 0, 1 or ``NO_LABEL``; ``roles`` has shape
-    (atoms, states - 1), and role 0 where there is no transition.
+    Row i is about the atoms ``where[i]``, given as (demonstration, objects), of predicate ``predicates[owner[i]]``: all
+    that have these labels and roles, ``weight[i]`` in number. Rows of a predicate are together. ``labels`` has shape
+    (rows, states) and holds 0, 1 or ``NO_LABEL``; ``roles`` has shape (rows, states - 1), and role 0 where there is no
+    transition.
     """
 
     predicates: list[int]
     owner: Ints
-    where: list[tuple[int, ObjectIds]]
+    where: list[list[tuple[int, ObjectIds]]]
+    weight: NDArray[np.float64]
     labels: NDArray[np.int8]
     roles: NDArray[np.int32]
 
@@ -75,4 +77,23 @@ def _chains(data: IndexedTable, roles: Roles, rows: Sequence[tuple[int, int, Obj
                 for args in data.unknown(d, s, p):
                     labels[index[p, d, args], s] = NO_LABEL
     owner = np.array([number[p] for p, _, _ in rows], dtype=np.int64)
-    return Chains(predicates, owner, [(d, args) for _, d, args in rows], labels, in_role)
+    first, where = _alike(rows, owner, labels, in_role)
+    weight = np.array([len(atoms) for atoms in where], dtype=np.float64)
+    return Chains(predicates, owner[first], where, weight, labels[first], in_role[first])
+
+
+def _alike(
+    rows: Sequence[tuple[int, int, ObjectIds]], owner: Ints, labels: NDArray[np.int8], in_role: NDArray[np.int32]
+) -> tuple[Ints, list[list[tuple[int, ObjectIds]]]]:
+    """The first of every kind of row, and the atoms of all rows of its kind."""
+    kinds: dict[tuple[int, bytes, bytes], int] = {}
+    first: list[int] = []
+    where: list[list[tuple[int, ObjectIds]]] = []
+    for i, (_, d, args) in enumerate(rows):
+        key = (int(owner[i]), labels[i].tobytes(), in_role[i].tobytes())
+        kind = kinds.setdefault(key, len(first))
+        if kind == len(first):
+            first.append(i)
+            where.append([])
+        where[kind].append((d, args))
+    return np.array(first, dtype=np.int64), where

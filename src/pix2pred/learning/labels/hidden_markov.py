@@ -71,14 +71,15 @@ class HiddenMarkovLabels:
         result = LabelPosterior({}, {}, {}, {}, bystanders)
         guess, floor = settings.error_rate, 0.0
         chains = list(blocks(data, roles, noisy, settings.cells))
-        for _ in range(settings.passes):  # later ones take the pooled error rate as the prior and the least assumed
+        for i in range(settings.passes):  # later ones take the pooled error rate as the prior and the least assumed
             rates: dict[int, float] = {}
             for block in chains:
                 model = _BaumWelch(block, roles.siblings(), settings, guess, floor)
                 model.fit()
                 rates.update(zip(block.predicates, model.rates.tolist(), strict=True))
                 result.surprise.update(zip(block.predicates, model.surprise.tolist(), strict=True))
-                model.store(data, roles, result)
+                if i == settings.passes - 1:
+                    model.store(data, roles, result)
             if rates:
                 pooled = float(np.median(list(rates.values())))
                 guess = floor = float(np.clip(pooled, settings.least_pooled_rate, settings.error_rate))
@@ -132,7 +133,7 @@ class _BaumWelch:
             self._settle_before()
         self._expect()
         self.values = self.belief > 0.5
-        labels = np.bincount(self._chains.owner, self._seen.sum(1), len(self.rates))
+        labels = np.bincount(self._chains.owner, self._chains.weight * self._seen.sum(1), len(self.rates))
         self.surprise = self.rates + self._unforeseen / np.maximum(labels, 1)
 
     def _fix_frame(self) -> None:
@@ -150,13 +151,19 @@ class _BaumWelch:
         weight = ahead * behind
         self.belief = weight / (weight + (1 - ahead) * (1 - behind))
         self._estimate_rates()
-        before = np.stack([1 - ahead[:, :-1], ahead[:, :-1]])
-        step = np.stack([np.stack([1 - up, up]), np.stack([down, 1 - down])])
-        after = np.stack([like_false[:, 1:] * (1 - behind[:, 1:]), like_true[:, 1:] * behind[:, 1:]])
-        joint = before[:, None] * step * after[None]
-        joint /= joint.sum((0, 1))
-        size = self._up.size
-        counts = [[np.bincount(self._index.ravel(), joint[x, y].ravel(), size) for y in (0, 1)] for x in (0, 1)]
+        return self._expected_counts(ahead, behind, up, down, like_true, like_false)
+
+    def _expected_counts(
+        self, ahead: Floats, behind: Floats, up: Floats, down: Floats, like_true: Floats, like_false: Floats
+    ) -> Floats:
+        """How often, by predicate and role, a value was probably followed by a value."""
+        before = (1 - ahead[:, :-1], ahead[:, :-1])
+        after = (like_false[:, 1:] * (1 - behind[:, 1:]), like_true[:, 1:] * behind[:, 1:])
+        step = ((1 - up, up), (down, 1 - down))
+        joint = [[before[x] * step[x][y] * after[y] for y in (0, 1)] for x in (0, 1)]
+        scale = self._chains.weight[:, None] / (joint[0][0] + joint[0][1] + joint[1][0] + joint[1][1])
+        index, size = self._index.ravel(), self._up.size
+        counts = [[np.bincount(index, (joint[x][y] * scale).ravel(), size) for y in (0, 1)] for x in (0, 1)]
         return np.array(counts).reshape(2, 2, *self._up.shape)
 
     def _likelihoods(self) -> tuple[Floats, Floats]:
@@ -175,8 +182,9 @@ class _BaumWelch:
     def _estimate_rates(self) -> None:
         wrong = np.where(self._chains.labels == 1, 1 - self.belief, self.belief) * self._seen
         n = len(self._chains.predicates)
-        errors = np.bincount(self._chains.owner, wrong.sum(1), n)
-        labels = np.bincount(self._chains.owner, self._seen.sum(1), n)
+        weight = self._chains.weight
+        errors = np.bincount(self._chains.owner, weight * wrong.sum(1), n)
+        labels = np.bincount(self._chains.owner, weight * self._seen.sum(1), n)
         imagined = self._settings.prior_labels
         rates = (errors + imagined * self._guess) / (labels + imagined)
         self.rates = np.clip(rates, self._settings.least_rate, self._settings.greatest_rate)
@@ -224,10 +232,10 @@ class _BaumWelch:
         """
         evidence = np.log(self.belief[:, :-1]) - np.log1p(-self.belief[:, :-1]) - self._before.ravel()[self._index]
         true = 1 / (1 + np.exp(-np.clip(evidence, -30, 30)))
-        index, size = self._index.ravel(), self._before.size
+        index, size, weight = self._index.ravel(), self._before.size, self._chains.weight[:, None]
 
         def by_role(values: Floats) -> Floats:
-            sums: Floats = np.bincount(index, values.ravel(), size).astype(np.float64)
+            sums: Floats = np.bincount(index, (weight * values).ravel(), size).astype(np.float64)
             return sums
 
         total = by_role(np.ones_like(true))
@@ -257,16 +265,19 @@ class _BaumWelch:
             result.belief[p] = {}
             changed = np.flatnonzero(self.effects[i])
             result.effects[p] = {roles.keys[k]: EffectKind(self.effects[i, k]) for k in changed}
-        columns: dict[tuple[int, int, int], list[ObjectIds]] = {}
-        for i, s in np.argwhere(self.values & inside):
-            d, args = chains.where[i]
-            columns.setdefault((chains.predicates[chains.owner[i]], d, int(s)), []).append(args)
-        for (p, d, s), found in columns.items():
-            result.extensions[p][d][s] = frozenset(found)
+        true: dict[tuple[int, int, int], list[ObjectIds]] = {}
+        for i, t in np.argwhere(self.values & inside).tolist():
+            p = chains.predicates[chains.owner[i]]
+            for d, args in chains.where[i]:
+                true.setdefault((p, d, t), []).append(args)
+        for (p, d, t), found in true.items():
+            result.extensions[p][d][t] = frozenset(found)
         doubted = abs(self.belief - 0.5) < 0.5 - self._settings.doubt_margin
-        for i, s in np.argwhere(doubted & inside):
-            d, args = chains.where[i]
-            result.belief[chains.predicates[chains.owner[i]]][d, int(s), args] = float(self.belief[i, s])
+        for i, t in np.argwhere(doubted & inside).tolist():
+            belief = float(self.belief[i, t])
+            of_predicate = result.belief[chains.predicates[chains.owner[i]]]
+            for d, args in chains.where[i]:
+                of_predicate[d, t, args] = belief
 
 
 def _forward(like_true: Floats, like_false: Floats, up: Floats, down: Floats) -> Floats:

@@ -6,11 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pix2pred.learning.objective.demo_tasks import SharedGroundings, ground_task
+from pix2pred.learning.objective.demo_tasks import DemoTasks, SetTasks
 from pix2pred.learning.objective.planning_effort import UPPER_BOUND, DemoObjective, DemoScore
 from pix2pred.learning.operators.learner import OperatorModel
-from pix2pred.learning.operators.transition_class import OperatorSchema, Partition
-from pix2pred.learning.transitions import ObjectIds
+from pix2pred.learning.operators.transition_class import Partition
 from pix2pred.planning import GroundingBudgetError, Strips
 
 W_PRED = 1e-4
@@ -33,8 +32,7 @@ class Score:
 class PartialSum:
     """J of a predicate set over the demonstrations looked at so far: a lower bound, since no term is negative."""
 
-    predicates: tuple[int, ...]
-    operators: Sequence[OperatorSchema]
+    tasks: SetTasks
     total: float
     demos: list[float | None]
     charges: float = 0.0
@@ -86,7 +84,7 @@ class Objective:
         self._data = model.data
         self._of_demo = of_demo
         self._map = map_
-        self._scenes: dict[ObjectIds, SharedGroundings] = {}
+        self._tasks = DemoTasks(model.data)
         self._known: dict[TaskKey, DemoScore] = {}
         self.searches = 0
 
@@ -103,7 +101,7 @@ class Objective:
         predicates = (*range(self._data.initial), *chosen)
         operators = self._model.schemas(classes, predicates)
         cost = W_PRED * sum(self._data.cost(p) for p in chosen)
-        return PartialSum(predicates, operators, cost, [None] * len(self._data.demos))
+        return PartialSum(SetTasks(operators, predicates), cost, [None] * len(self._data.demos))
 
     def score_demos(self, requests: Sequence[DemoQuery]) -> list[DemoScore]:
         """J_d for every request. Searches that are the same are made once, for the largest bound."""
@@ -120,15 +118,11 @@ class Objective:
 
     def _key(self, part: PartialSum, d: int) -> TaskKey | None:
         """What J_d depends on; ``None`` when the task is too large to write down."""
-        demo = self._data.demos[d]
-        scene = self._scenes.get(demo.objects)
-        if scene is None:
-            scene = self._scenes[demo.objects] = SharedGroundings(self._data, demo.objects)
         try:
-            task = ground_task(self._data, scene, d, part.operators, part.predicates)
+            task = self._tasks.task(part.tasks, d)
         except GroundingBudgetError:
             return None
-        return task, demo.states
+        return task, self._data.demos[d].states
 
 
 def _search(request: tuple[DemoObjective, Strips | None, int, float]) -> DemoScore:

@@ -30,14 +30,13 @@ def refine(data: IndexedTable, classes: Partition, predicates: Sequence[int], ad
     Classes in which ``added`` never changes are kept as they are, identity included.
     """
     changing = data.changing(added)
-    wider = (*predicates, added)
     refined: list[TransitionClass] = []
     for cls in classes:
         members = [m.transition for m in cls.members]
         if changing.isdisjoint(members):
             refined.append(cls)
         else:
-            refined.extend(_split(data, cls, added) or _cluster(data, wider, members))
+            refined.extend(_split(data, cls, predicates, added))
     return tuple(sorted(refined, key=lambda c: c.first))
 
 
@@ -54,36 +53,35 @@ class _Change:
 UNCHANGED = _Change((), frozenset(), frozenset())
 
 
-def _split(data: IndexedTable, cls: TransitionClass, added: int) -> Partition | None:
+def _split(data: IndexedTable, cls: TransitionClass, predicates: Sequence[int], added: int) -> Partition:
     """The parts of ``cls`` by what ``added`` does to its variables and to other objects.
 
-    ``None`` where that does not settle it, because a member's binding is one of several: when several variables of one
-    type are bound by effects alone, or several other objects of one type change; or because a variable's type is too
-    general for the predicate.
+    Members whose binding would be one of several, because several other objects of one type change, are clustered from
+    scratch: they never unify with the rest. So are all members where several variables of one type are bound by effects
+    alone, or where a variable's type is too general for the predicate.
     """
+    wider = (*predicates, added)
     free = [t for v, t in enumerate(cls.types) if v not in cls.skill_args]
     if len(set(free)) < len(free):
-        return None
+        return _cluster(data, wider, [m.transition for m in cls.members])
     changing = data.changing(added)
+    unchanged: list[tuple[int, Member]] = []
+    ambiguous: list[int] = []
     parts: dict[_Change, list[tuple[int, Member]]] = {}
-    for i, (member, variable) in enumerate(zip(cls.members, cls.variables(), strict=True)):
+    for i, member in enumerate(cls.members):
         if member.transition not in changing:
-            parts.setdefault(UNCHANGED, []).append((i, member))
+            unchanged.append((i, member))
             continue
-        changes = data.effects(added, member.transition)
-        others = {o for extension in changes for args in extension for o in args} - variable.keys()
-        if others:
-            ordered = tuple(sorted(others, key=lambda o: data.objects[o].type.name))
-            variable = variable | {o: len(cls.types) + i for i, o in enumerate(ordered)}
-            member = Member(member.transition, member.objects + ordered)
-        kinds = data.types(member.objects[len(cls.types) :])
-        if len(set(kinds)) < len(kinds):
-            return None
-        plus, minus = (frozenset([tuple([variable[o] for o in args]) for args in e]) for e in changes)
-        if not all(data.fits(cls.types + kinds, added, atom) for atom in plus | minus):
-            return None
-        parts.setdefault(_Change(kinds, plus, minus), []).append((i, member))
-    if len(parts) == 1:
+        found = _change(data, cls, i, added)
+        if found is None:
+            ambiguous.append(member.transition)
+        elif not all(data.fits(cls.types + found[0].outside, added, atom) for atom in found[0].add | found[0].delete):
+            return _cluster(data, wider, [m.transition for m in cls.members])
+        else:
+            parts.setdefault(found[0], []).append((i, found[1]))
+    if unchanged:
+        parts[UNCHANGED] = unchanged
+    if len(parts) == 1 and not ambiguous:
         (change,) = parts
         if not change.outside:
             return (
@@ -93,7 +91,28 @@ def _split(data: IndexedTable, cls: TransitionClass, added: int) -> Partition | 
                     delete=cls.delete + tuple((added, v) for v in sorted(change.delete)),
                 ),
             )
-    return tuple(_part(cls, members, added, change) for change, members in parts.items())
+    found_parts = tuple(_part(cls, members, added, change) for change, members in parts.items())
+    return found_parts + (_cluster(data, wider, ambiguous) if ambiguous else ())
+
+
+def _change(data: IndexedTable, cls: TransitionClass, i: int, added: int) -> tuple[_Change, Member] | None:
+    """What ``added`` does in the ``i``-th member, and the member with the objects that the class has no variable for.
+
+    ``None`` where several of these are of one type, so that they could be numbered in several ways.
+    """
+    member, variable = cls.members[i], cls.variables()[i]
+    changes = data.effects(added, member.transition)
+    others = {o for extension in changes for args in extension for o in args} - variable.keys()
+    kinds: tuple[Type, ...] = ()
+    if others:
+        ordered = tuple(sorted(others, key=lambda o: data.objects[o].type.name))
+        kinds = data.types(ordered)
+        if len(set(kinds)) < len(kinds):
+            return None
+        variable = variable | {o: len(cls.types) + n for n, o in enumerate(ordered)}
+        member = Member(member.transition, member.objects + ordered)
+    plus, minus = (frozenset([tuple([variable[o] for o in args]) for args in e]) for e in changes)
+    return _Change(kinds, plus, minus), member
 
 
 def _part(cls: TransitionClass, numbered: Sequence[tuple[int, Member]], added: int, change: _Change) -> TransitionClass:

@@ -17,6 +17,7 @@ def selection_document(selection: Selection, settings: LearningSettings) -> dict
     return {
         "selected": [p.name for p in selection.selected],
         "steps": [_step(step) for step in selection.steps],
+        "end": selection.end.value,
         "pinned": [p.name for p in selection.pinned],
         "dropped": [p.name for p in selection.dropped],
         "identical_columns": {p.name: [q.name for q in others] for p, others in selection.identical},

@@ -11,7 +11,7 @@ from pix2pred.learning.objective.planning_effort import DemoObjective
 from pix2pred.learning.operators.learner import OperatorLearner, OperatorModel
 from pix2pred.learning.operators.transition_class import to_operator
 from pix2pred.learning.selection.candidates import distinct_candidates
-from pix2pred.learning.selection.result import ClimbStep, RunnerUp, Selection
+from pix2pred.learning.selection.result import ClimbEnd, ClimbStep, RunnerUp, Selection
 from pix2pred.learning.selection.stopping_rule import ScoredSet, StoppingRule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Operator, Predicate, TruthTable
@@ -76,10 +76,12 @@ class Climb:
         steps = [ClimbStep(None, score.total, score.demos, ())]
         ahead: list[ClimbStep] = []  # taken on trial: they count once a later one pays for them
         reached = current
+        end = ClimbEnd.GOOD_ENOUGH
         while not self._rule.finished(current.score):
             scored = self._expand(current, progress)
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
+                end = ClimbEnd.NOTHING_BETTER if self._representatives else ClimbEnd.NO_CANDIDATES
                 break
             best = self._rule.choose(self._model, better, trial=bool(ahead))
             ahead.append(self._step(best, scored))
@@ -89,9 +91,12 @@ class Climb:
                 steps += ahead
                 ahead = []
             elif not self._rule.hopeful(best.score, len(ahead)):
+                end = ClimbEnd.NOTHING_WORTHWHILE
                 break
             current = best
-        return self._finish(reached.chosen, self._without_superseded(reached), steps)
+        if end is ClimbEnd.GOOD_ENOUGH and len(steps) == 1:
+            end = ClimbEnd.GOOD_ENOUGH_AT_ONCE if self._representatives else ClimbEnd.NO_CANDIDATES
+        return self._finish(reached.chosen, self._without_superseded(reached), steps, end)
 
     def _step(self, best: ScoredSet, scored: Sequence[ScoredSet]) -> ClimbStep:
         others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:SHOWN_RUNNERS_UP]
@@ -162,7 +167,9 @@ class Climb:
                 kept = fewer
         return kept
 
-    def _finish(self, chosen: Sequence[int], needed: Sequence[int], steps: Sequence[ClimbStep]) -> Selection:
+    def _finish(
+        self, chosen: Sequence[int], needed: Sequence[int], steps: Sequence[ClimbStep], end: ClimbEnd
+    ) -> Selection:
         """Drop predicates that are not needed or no precondition, then learn the final operators (method 6.3)."""
         data = self._data
 
@@ -186,4 +193,5 @@ class Climb:
             self._objective.searches,
             self._budget_hits,
             tuple(data.predicates[p] for p in self._pinned),
+            end,
         )

@@ -3,8 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 from pix2pred.structs import Operator, Predicate
+
+
+class ClimbEnd(StrEnum):
+    """Why a climb ended."""
+
+    NO_CANDIDATES = "no-candidates"
+    """There was nothing to choose from."""
+
+    GOOD_ENOUGH_AT_ONCE = "good-enough-at-once"
+    """The stopping rule was content with J before any candidate was tried: a threshold may be too high."""
+
+    GOOD_ENOUGH = "good-enough"
+    """The stopping rule was content with J after some candidates were taken."""
+
+    NOTHING_BETTER = "nothing-better"
+    """No candidate left lowers J."""
+
+    NOTHING_WORTHWHILE = "nothing-worthwhile"
+    """Some lower J, but not by as much as the stopping rule asks for."""
+
+    NOT_SEARCHED = "not-searched"
+    """Every candidate was kept without a climb."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +59,7 @@ class Selection:
     - ``identical`` lists, for each selected predicate, the candidates that agree with it everywhere.
     - ``evaluations`` counts candidate sets considered, ``scored`` those whose J had to be computed, ``searches`` the
       planning searches this took and ``budget_hits`` the searches that ran out of nodes.
-    - ``pinned`` are selected because a person wants it.
+    - ``pinned`` are selected because a person wants it; ``end`` says why the climb ended.
     """
 
     selected: tuple[Predicate, ...]
@@ -49,3 +72,4 @@ class Selection:
     searches: int
     budget_hits: int
     pinned: tuple[Predicate, ...] = ()
+    end: ClimbEnd = ClimbEnd.NOT_SEARCHED
