@@ -31,7 +31,7 @@ skills:
 - {name: Press, types: [robot, lamp]}
 predicates:
 - {name: Done, types: [lamp], source: human}
-learning: {max_plans: 2}
+learning: {max_plans: 2, operators: cluster-and-intersect}
 """
 DEMO = """\
 format: pix2pred-demo

@@ -88,18 +88,18 @@ class Contents:
         steps, learning = self.selection["steps"], self.config["settings"]["learning"]
         climbed = Climbed(
             int(self.metrics["candidates"]),
-            self._end,
+            self._ended_at_once,
             float(steps[0]["J"]) if steps else 0.0,
             learning.get("j_threshold"),
         )
         return concerns(self.model, self.table.demos, climbed)
 
     @property
-    def _end(self) -> ClimbEnd:
-        """Why selection ended; runs of before version 0.2 tell by how many sets they tried."""
-        at_once = self.selection["steps"] and self.selection["evaluations"] <= 1 and self.metrics["candidates"]
-        guess = ClimbEnd.GOOD_ENOUGH_AT_ONCE if at_once else ClimbEnd.NOT_SEARCHED
-        return ClimbEnd(self.selection.get("end", guess))
+    def _ended_at_once(self) -> bool:
+        """Whether no candidate was tried; runs of before version 0.2 tell by how many sets they tried."""
+        if "end" in self.selection:
+            return ClimbEnd(self.selection["end"]) is ClimbEnd.GOOD_ENOUGH_AT_ONCE
+        return bool(self.selection["steps"] and self.selection["evaluations"] <= 1 and self.metrics["candidates"])
 
     @property
     def blobs(self) -> tuple[Path, ...]:

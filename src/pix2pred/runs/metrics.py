@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pix2pred.learning import LearningSettings, Selection
+from pix2pred.learning import ClimbEnd, LearningSettings, Selection
 from pix2pred.pipeline import Asked, LearningProblem, Selected
 from pix2pred.predicates import Occurrence, goal_warnings
 from pix2pred.runs.verdict import Climbed, concerns
@@ -66,7 +66,8 @@ def selected_metrics(
 def climbed(selection: Selection, table: TruthTable, settings: LearningSettings) -> Climbed:
     """How selection went, for the verdict."""
     first = selection.steps[0].j if selection.steps else 0.0
-    return Climbed(len(table.candidates()), selection.end, first, settings.j_threshold)
+    at_once = selection.end is ClimbEnd.GOOD_ENOUGH_AT_ONCE
+    return Climbed(len(table.candidates()), at_once, first, settings.j_threshold)
 
 
 def _gap_warnings(asked: Asked) -> list[str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning import ClimbEnd
 from pix2pred.structs import GroundOperator, LabelledDemo, LiftedAtom, Operator, WorldModel
 
 
@@ -22,13 +21,13 @@ class Concern:
 
 @dataclass(frozen=True, slots=True)
 class Climbed:
-    """How selection went: candidates there were, why it ended, J at the start, and the threshold it stops at.
+    """How selection went: candidates there were, whether none was tried, J at the start, and the threshold it stops at.
 
     ``threshold`` is None where the stopping rule has none.
     """
 
     candidates: int
-    end: ClimbEnd
+    at_once: bool
     first_j: float
     threshold: float | None
 
@@ -49,7 +48,7 @@ def doubts_about(plan: Iterable[GroundOperator]) -> tuple[str, ...]:
 
 
 def _of_selection(model: WorldModel, climbed: Climbed, *, useful: bool) -> Iterable[Concern]:
-    if climbed.end is ClimbEnd.GOOD_ENOUGH_AT_ONCE:
+    if climbed.at_once:
         yield Concern(
             f"No candidate was tried: before anything was selected J was {climbed.first_j:,.0f}, and selection stops "
             f"at or below j_threshold = {climbed.threshold or 0:,.0f}.",
