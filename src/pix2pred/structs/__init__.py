@@ -78,7 +78,8 @@ __all__ = [
     "Vocabulary",
     "WhyAsked",
     "WorldModel",
-    "count_groundings", "groundings",
+    "count_groundings",
+    "groundings",
     "parse_application",
     "unknown_as_false",
 ]  # fmt: skip
