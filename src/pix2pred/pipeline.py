@@ -145,6 +145,7 @@ def label(problem: LearningProblem, pool: Pool) -> Labelling:
         pool.candidates,
         labeller_for(problem.vlm, settings.labels, Together(settings.flow.concurrent)),
         progress=problem.progress,
+        max_atoms=settings.flow.max_atoms,
     )
     if settings.learning.lift_types:
         return replace(labelling, table=with_shared_words(labelling.table, problem.vocabulary.skills))

@@ -9,6 +9,8 @@ import pytest
 
 from demos.photo_files import photo
 from pix2pred.demos import inspect_project
+from pix2pred.demos.authoring import declare, domain_text, write_drafts
+from pix2pred.demos.importers import drafts_of_frames
 from pix2pred.structs import Image
 
 DOMAIN = """\
@@ -130,3 +132,31 @@ def test_an_unknown_key_hides_nothing_else(project: Path) -> None:
     problems = inspect_project(project).problems
     assert [p.line for p in problems] == [4, 6], problems
     assert "did you mean 'goal'?" in problems[0].message and "did you mean 'robby'?" in problems[1].message
+
+
+HUMAN = ["Hot(cup) = human", "Full(cup) = human"]
+
+
+def test_labels_that_a_person_forgot_are_not_taken_for_false_without_a_word(tmp_path: Path) -> None:
+    photo(tmp_path / "photos" / "0.jpg", seed=0)
+    photo(tmp_path / "photos" / "1.jpg", seed=1)
+    declared = declare(["cup"], ["mug:cup"], ["Heat(cup)"], HUMAN)
+    write_drafts(tmp_path / "p", drafts_of_frames(tmp_path / "photos"), domain_text("p", declared))
+    demo = tmp_path / "p" / "demos" / "photos" / "demo.yaml"
+    messages = [p.message for p in inspect_project(tmp_path / "p").problems]
+    assert sum("the atoms that hold here" in m and "[] says that none does" in m for m in messages) == 2
+    text = demo.read_text().replace("goal:\n- TODO", "goal:\n- Hot(mug)").replace("- TODO", "- Heat(mug)")
+    demo.write_text(text.replace("given: [TODO]", "given: []", 1).replace("[TODO]", '["Hot(mug)"]'))
+    found = inspect_project(tmp_path / "p")
+    assert found.problems == ()
+    assert [p.message for p in found.warnings if "'given'" in p.message] == [
+        "Full(cup) is listed under 'given' in no state: it is taken for false everywhere"
+    ]
+
+
+def test_where_a_person_lists_nothing_nothing_is_to_be_filled_in(tmp_path: Path) -> None:
+    photo(tmp_path / "photos" / "0.jpg", seed=0)
+    photo(tmp_path / "photos" / "1.jpg", seed=1)
+    declared = declare(["cup"], ["mug:cup"], ["Heat(cup)"], ["Hot(cup) = vlm"])
+    write_drafts(tmp_path / "p", drafts_of_frames(tmp_path / "photos"), domain_text("p", declared))
+    assert (tmp_path / "p" / "demos" / "photos" / "demo.yaml").read_text().count("- given: []") == 2

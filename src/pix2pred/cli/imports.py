@@ -79,20 +79,25 @@ def lerobot(
     /,
     *,
     actions: Annotated[
-        Path, Parameter(name=("--sidecar", "--actions"), help="Which steps each episode has: .yaml or .csv.")
-    ],
+        Path | None,
+        Parameter(
+            name=("--sidecar", "--actions"),
+            help="Which steps each episode has: .yaml or .csv [default: the dataset's own subtasks].",
+        ),
+    ] = None,
     out: Out,
     max_side: MaxSide = MAX_SIDE,
     overwrite: Overwrite = False,
     json: AsJson = False,
 ) -> int:
-    """Bring in episodes of a LeRobot dataset of format v3 that lies on disk (extra lerobot).
+    """Bring in episodes of a LeRobot dataset of format v2 or v3 that lies on disk (extra lerobot).
 
     For example:
 
     - `pix2pred import lerobot datasets/pick-cubes --sidecar steps.yaml --out cubes`
     """
-    return _bring(drafts_of_lerobot(source, read_sidecar(actions), max_side=max_side), out, overwrite, as_json=json)
+    segments = read_sidecar(actions) if actions else ()
+    return _bring(drafts_of_lerobot(source, segments, max_side=max_side), out, overwrite, as_json=json)
 
 
 def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: bool) -> int:

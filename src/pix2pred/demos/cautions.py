@@ -22,6 +22,7 @@ def cautions(directory: Path, project: Project, declared: Declared, tasks: Seque
         *_few(directory, project),
         *_skills(directory, project),
         *_objects(directory, project, declared, tasks),
+        *_listed(directory, project),
         *(warning for demo in project.demos for warning in _demo(directory, demo)),
     ]
 
@@ -66,6 +67,16 @@ def _objects(directory: Path, project: Project, declared: Declared, tasks: Seque
         for line, names in unused.items():
             what = f"object {names[0]} is" if len(names) == 1 else f"objects {', '.join(names)} are"
             yield Problem(here.file, line, f"{what} never mentioned by an action or a goal, here or elsewhere")
+
+
+def _listed(directory: Path, project: Project) -> Iterator[Problem]:
+    """Atoms that a person has to list and that are listed nowhere: forgotten rather than false."""
+    listed = {atom.predicate for demo in project.demos for state in demo.states for atom in state.given}
+    lines = _Lines(directory / DOMAIN, directory, DomainDoc)
+    for i, predicate in enumerate(project.vocabulary.initial):
+        if isinstance(predicate.source, FromHuman) and predicate not in listed:
+            message = f"{predicate.signature} is listed under 'given' in no state: it is taken for false everywhere"
+            yield lines.problem(("predicates", i), message)
 
 
 def _demo(directory: Path, demo: Demo) -> Iterator[Problem]:

@@ -1,11 +1,11 @@
-"""Whether the goal of a demonstration holds in its last state, and not before (method 1.4)."""
+"""Whether a demonstration is one: its goal holds in the last state alone (method 1.4), and no feature is missing."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from pix2pred.demos.files.documents import Sheet
-from pix2pred.structs import Atom, FromDomain, FromHuman, State
+from pix2pred.structs import Action, Atom, FromDomain, FromHuman, State
 
 
 def check_goal(sheet: Sheet, goal: Sequence[Atom], states: Sequence[State]) -> None:
@@ -30,3 +30,18 @@ def check_goal(sheet: Sheet, goal: Sequence[Atom], states: Sequence[State]) -> N
                 what = "at the start" if t == 0 else f"in state {t}; end the demonstration there"
                 sheet.report(("states", t), f"the goal already holds {what}")
                 return
+
+
+def check_features(sheet: Sheet, actions: Sequence[Action], states: Sequence[State]) -> None:
+    """Report states in which continuous parameters were chosen for an object whose features nobody gives.
+
+    What chooses such parameters is learned from the features of a skill's arguments; without them learning would fail
+    after all questions were asked.
+    """
+    for t, (action, state) in enumerate(zip(actions, states, strict=False)):
+        missing = [o.name for o in action.objects if o.type.features and o not in state.features]
+        if action.skill.dimension and missing:
+            needed = (
+                f"{action.skill.name} has continuous parameters, which are learned from the features of its arguments"
+            )
+            sheet.report(("states", t), f"the features of {missing[0]} are missing; {needed}")

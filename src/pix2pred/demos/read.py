@@ -24,7 +24,7 @@ from pix2pred.demos.files.folders import (
     refusal,
 )
 from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
-from pix2pred.demos.goals import check_goal
+from pix2pred.demos.goals import check_features, check_goal
 from pix2pred.demos.pictures import check_image_folders
 from pix2pred.demos.scenes import SceneReader
 from pix2pred.structs import Demo, Task, Vocabulary
@@ -150,6 +150,7 @@ def _read_demo(
     if len(found) > before or scene.incomplete:
         return None
     check_goal(sheet, goal, states)
+    check_features(sheet, actions, states)
     return Demo(folder.name, objects, states, actions, goal)
 
 

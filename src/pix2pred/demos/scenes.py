@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -15,6 +16,9 @@ from pix2pred.demos.pictures import PictureCheck, Shown, find_pictures
 from pix2pred.structs import Action, Application, Atom, Box, Image, Object, Picture, State, parse_application
 from pix2pred.structs.formats.documents import ObjectDoc
 from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
+
+_INSIDE = re.compile(r"([^\[\]]*?),?\s*(\[[^\[\]]*\])\s*\)\s*\Z")
+"""An action whose parameters stand behind its objects, as the method's authors write them: ``pick(cup, hand, [])``."""
 
 
 class SceneReader:
@@ -188,7 +192,9 @@ def _parse(text: str) -> Application:
 
 
 def _split_params(text: str) -> tuple[str, tuple[float, ...]]:
-    """``Push(a)[0.1, 2]`` as ``Push(a)`` and its numbers."""
+    """``Push(a)[0.1, 2]`` as ``Push(a)`` and its numbers; they may stand inside, as in ``push(a, [0.1, 2])``."""
+    if inside := _INSIDE.match(text):
+        text = f"{inside[1]}){inside[2]}"
     head, bracket, tail = text.partition("[")
     if not bracket:
         return text, ()

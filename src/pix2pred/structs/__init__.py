@@ -1,7 +1,7 @@
 """The nouns: types, objects, predicates, atoms, states, skills, demonstrations, operators, models."""
 
 from pix2pred.structs.demos import Demo, Task, Vocabulary
-from pix2pred.structs.objects import Object, Type, Variable, groundings
+from pix2pred.structs.objects import Object, Type, Variable, count_groundings, groundings
 from pix2pred.structs.operators import GroundOperator, Operator
 from pix2pred.structs.plans import (
     Episode,
@@ -78,6 +78,7 @@ __all__ = [
     "Vocabulary",
     "WhyAsked",
     "WorldModel",
+    "count_groundings",
     "groundings",
     "parse_application",
     "unknown_as_false",

@@ -84,3 +84,13 @@ def groundings(types: Sequence[Type], objects: Iterable[Object], *, distinct: bo
     for candidate in product(*([o for o in ordered if o.type.is_a(t)] for t in types)):
         if not distinct or len(set(candidate)) == len(candidate):
             yield candidate
+
+
+def count_groundings(types: Sequence[Type], objects: Iterable[Object], *, distinct: bool) -> int:
+    """How many tuples ``groundings`` gives, without making them."""
+    listed = list(objects)
+    pools = sorted((frozenset(o for o in listed if o.type.is_a(t)) for t in types), key=len)
+    total = 1
+    for i, pool in enumerate(pools):  # types form a tree: two pools are one inside the other, or disjoint
+        total *= max(0, len(pool) - (sum(p <= pool for p in pools[:i]) if distinct else 0))
+    return total

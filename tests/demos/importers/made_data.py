@@ -101,3 +101,33 @@ def sidecar(path: Path, *demos: dict[str, Any]) -> Path:
     """A side-car file (JSON is YAML)."""
     path.write_text(json.dumps({"format": "pix2pred-import", "version": 1, "demos": demos}, indent=1))
     return path
+
+
+def write_v2_dataset(root: Path, lengths: tuple[int, ...] = (15, 20), *, chunks_size: int = 1000) -> Path:
+    """The same camera kept as video in format v2.1: a table and a video for each episode."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    numbers = {name: {"dtype": "int64", "shape": [1]} for name in ("episode_index", "frame_index")}
+    features = {"observation.images.front": {"dtype": "video", "shape": [SIZE[1], SIZE[0], 3]}, **numbers}
+    meta = {"codebase_version": "v2.1", "fps": FPS, "chunks_size": chunks_size, "features": features}
+    (root / "meta").mkdir(parents=True)
+    (root / "meta/info.json").write_text(json.dumps(meta))
+    lines = []
+    for n, length in enumerate(lengths):
+        lines.append(json.dumps({"episode_index": n, "tasks": [f"put cube {n} away"], "length": length}))
+        chunk = f"chunk-{n // chunks_size:03d}"
+        table = root / "data" / chunk / f"episode_{n:06d}.parquet"
+        table.parent.mkdir(parents=True, exist_ok=True)
+        pq.write_table(pa.Table.from_pylist([{"episode_index": n, "frame_index": i} for i in range(length)]), table)
+        write_video(root / "videos" / chunk / "observation.images.front" / f"episode_{n:06d}.mp4", length)
+    (root / "meta/episodes.jsonl").write_text("\n".join(lines) + "\n")
+    return root
+
+
+def rewrite(path: Path, change: Any) -> None:
+    """The table at ``path`` with every row as ``change`` leaves it."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    pq.write_table(pa.Table.from_pylist([change(row) for row in pq.read_table(path).to_pylist()]), path)

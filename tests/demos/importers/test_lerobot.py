@@ -65,8 +65,8 @@ def test_what_the_side_car_gets_wrong(tmp_path: Path, more: dict[str, Any], mess
 @pytest.mark.parametrize(
     ("info", "message"),
     [
-        ({"codebase_version": "v2.1"}, "version is 'v2.1', this program reads v3"),
-        ({"codebase_version": None}, "reads v3"),
+        ({"codebase_version": "v1.6"}, "version is 'v1.6', this program reads v2 and v3"),
+        ({"codebase_version": None}, "reads v2 and v3"),
         ({"fps": 0}, "fps"),
         ({"fps": float("nan")}, "fps"),
         ({"features": {}}, "no camera"),
@@ -171,5 +171,5 @@ def test_a_folder_that_is_no_dataset(tmp_path: Path) -> None:
 
 def test_paths_are_filled_in() -> None:
     names: dict[str, str | int] = {"video_key": "a.b", "chunk_index": 7, "file_index": 12}
-    assert filled(lerobot_meta.InfoDoc.model_fields["data_path"].default, names) == "data/chunk-007/file-012.parquet"
+    assert filled(lerobot_meta._PATHS[3][0], names) == "data/chunk-007/file-012.parquet"
     assert filled("{video_key}/{chunk_index}", {**names, "video_key": "{file_index}"}) == "{file_index}/7"

@@ -15,7 +15,7 @@ from pix2pred.demos.files.staging import move_in, staged
 from pix2pred.demos.files.unfilled import UNFILLED
 from pix2pred.demos.files.yaml_text import inline_yaml
 from pix2pred.demos.pictures import JPEG_START
-from pix2pred.structs import Image
+from pix2pred.structs import FromHuman, Image
 from pix2pred.structs.formats.documents import ObjectDoc
 
 Told = Callable[[str, int, int], None]
@@ -164,9 +164,15 @@ def draft_text(draft: Draft, declared: Declared) -> str:
             "are listed as 'given'; boxes of objects can be given too: pictures: {main: {cup: [12, 40, 90, 130]}}"
         ),
         "states:",
-        *(f"- given: []  # images/{t}" for t in range(total)),
+        *(f"- given: {_given(declared)}  # images/{t}" for t in range(total)),
     ]
     return schema_line("demo", "../../") + "".join(f"{line}\n" for line in lines)
+
+
+def _given(declared: Declared) -> str:
+    """What stands where atoms of the source human are listed: nothing is listed is not the same as nothing holds."""
+    asks = any(isinstance(p.source, FromHuman) for p in declared.vocabulary.initial)
+    return f"[{UNFILLED}]" if asks else "[]"
 
 
 def _objects(draft: Draft, declared: Declared) -> list[str]:

@@ -53,7 +53,8 @@ class PhotoSeries:
 def find_photos(source: Path, order: Order = "auto") -> tuple[PhotoSeries, ...]:
     """The series in ``source``: one for each sub-folder, or one when the photos lie in ``source`` itself.
 
-    A sub-folder may hold photos, or a folder of photos for each camera. Raises ``FolderError`` with every problem.
+    A sub-folder may hold photos, or a folder of photos for each camera, or a numbered folder with one photo for each
+    state. Raises ``FolderError`` with every problem.
     """
     if not is_folder(source):
         what = "is not a folder" + ("; unpack it first" if source.suffix.lower() in (".zip", ".tar", ".gz") else "")
@@ -65,6 +66,8 @@ def find_photos(source: Path, order: Order = "auto") -> tuple[PhotoSeries, ...]:
     if flat and any(_photos(f, source, []) for f in folders):
         message = "holds photos and folders of photos; move the photos into a folder of their own"
         raise FolderError([Problem(source, None, message)])
+    if not flat and (states := _numbered(source, source)):
+        flat = states
     for folder in [source] if flat else folders:
         cameras = {MAIN: flat} if flat else _cameras(folder, source, found)
         if cameras:
@@ -74,6 +77,15 @@ def find_photos(source: Path, order: Order = "auto") -> tuple[PhotoSeries, ...]:
     if found:
         raise FolderError(found)
     return tuple(series)
+
+
+def _numbered(folder: Path, root: Path) -> list[Path]:
+    """The photos of numbered states: ``0/a.jpg``, ``1/b.jpg``, and so on; none unless each folder holds one photo."""
+    states = [path for path in entries(folder, []) if is_folder(path)]
+    photos = [_photos(state, root, []) for state in states]
+    if [s.name for s in states] != [str(t) for t in range(len(states))] or any(len(p) != 1 for p in photos):
+        return []
+    return [path for (path,) in photos]
 
 
 def _names(series: Sequence[PhotoSeries]) -> list[str]:
@@ -100,7 +112,7 @@ def _photos(folder: Path, root: Path, found: list[Problem]) -> list[Path]:
 
 def _cameras(folder: Path, root: Path, found: list[Problem]) -> dict[str, list[Path]]:
     """The photos of a demonstration by camera."""
-    if photos := _photos(folder, root, found):
+    if photos := _photos(folder, root, found) or _numbered(folder, root):
         return {MAIN: photos}
     cameras: dict[str, list[Path]] = {}
     for inner in (path for path in entries(folder, found) if is_folder(path)):

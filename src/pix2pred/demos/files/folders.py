@@ -24,6 +24,18 @@ FOLDER_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_\-.]{0,99}\Z")
 MISSING = "does not exist"
 
 
+LFS_POINTER = "is a pointer of Git LFS, not the file itself; fetch it with: git lfs pull"
+_LFS_START, _LFS_SIZE = b"version https://git-lfs.github.com/spec/", 1024
+"""How a pointer begins, and the size that none exceeds (Git LFS specification)."""
+
+
+def _is_lfs_pointer(path: Path) -> bool:
+    if path.stat().st_size > _LFS_SIZE:
+        return False
+    with path.open("rb") as file:
+        return file.read(len(_LFS_START)) == _LFS_START
+
+
 def is_folder(path: Path) -> bool:
     """Whether ``path`` is a folder one may look into."""
     try:
@@ -43,7 +55,9 @@ def refusal(path: Path, root: Path) -> str | None:
         real = path.resolve(strict=True)
         if not real.is_relative_to(root.resolve()):
             return "leads outside the project folder; copy the file into it"
-        return None if real.is_file() else "is not a regular file"
+        if not real.is_file():
+            return "is not a regular file"
+        return LFS_POINTER if _is_lfs_pointer(real) else None
     except FileNotFoundError:
         return MISSING
     except (OSError, RuntimeError):  # RuntimeError: a loop of links, before Python 3.13

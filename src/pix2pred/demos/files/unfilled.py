@@ -25,8 +25,9 @@ def ask_for_action(position: int, skills: Iterable[object]) -> str:
 
 def ask_for_atom(where: str, signatures: Iterable[str]) -> str:
     """What to write in place of an unfilled atom of the ``goal`` or of the ``given`` ones."""
-    what = "an atom that holds in the last state and not before" if where == "goal" else "an atom that holds here"
-    return f"to be filled in: {what}{_one_of(signatures)}; or remove it"
+    if where == "given":
+        return f"to be filled in: the atoms that hold here{_one_of(signatures)}; [] says that none does"
+    return f"to be filled in: an atom that holds in the last state and not before{_one_of(signatures)}; or remove it"
 
 
 def _one_of(choices: Iterable[str]) -> str:

@@ -9,10 +9,13 @@ from pathlib import Path
 from pix2pred.demos.authoring.drafts import Draft
 from pix2pred.demos.authoring.photos import MAX_SIDE, Order, PhotoSeries, clean_copies, find_photos
 from pix2pred.demos.files.problems import FolderError, Problem
-from pix2pred.demos.files.sidecar import Segment
+from pix2pred.demos.files.sidecar import Segment, read_sidecar
 from pix2pred.structs import Image
 
 UNKNOWN = ("Not known from photos: where the objects are (boxes), their features, given atoms of the source human.",)
+
+ACTIONS = "options_traj.txt"
+"""A list of actions beside the states of a demonstration, as the method's authors keep it."""
 
 
 def drafts_of_frames(
@@ -25,7 +28,7 @@ def drafts_of_frames(
     """
     series = find_photos(source, order)
     if not segments:
-        return tuple(_draft(s, (None,) * (len(s) - 1), max_side) for s in series)
+        return tuple(_draft(s, _actions_beside(s), max_side) for s in series)
     found: list[Problem] = []
     drafts = []
     for segment in segments:
@@ -35,6 +38,19 @@ def drafts_of_frames(
     if found:
         raise FolderError(found)
     return tuple(drafts)
+
+
+def _actions_beside(series: PhotoSeries) -> tuple[str | None, ...]:
+    """What a list of actions beside the photos says; without one they are to be filled in. Raises ``FolderError``."""
+    file = series.folder / ACTIONS
+    if not file.is_file():
+        return (None,) * (len(series) - 1)
+    (segment,) = read_sidecar(file)
+    steps = tuple(step.do for step in segment.doc.steps)
+    if len(steps) != len(series) - 1:
+        message = f"{len(steps)} actions need {len(steps) + 1} pictures, {series.folder} has {len(series)}"
+        raise FolderError([Problem(file, None, message)])
+    return steps
 
 
 def _draft(series: PhotoSeries, actions: tuple[str | None, ...], max_side: int) -> Draft:

@@ -1,4 +1,6 @@
-"""LeRobot datasets in their format v3 (extra ``lerobot``): episodes of robot data, packed into few files.
+"""LeRobot datasets in their formats v3 and v2 (extra ``lerobot``): episodes of robot data.
+
+Version 3 packs many episodes into few files; version 2 has a table and videos for each.
 
 ::
 
@@ -12,6 +14,7 @@ Read with pyarrow and PyAV: the library that writes these files brings torch, wh
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,28 +24,56 @@ from pix2pred.demos.authoring.drafts import Draft
 from pix2pred.demos.authoring.photos import MAX_SIDE, scaled
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import Segment
+from pix2pred.demos.files.unfilled import UNFILLED
 from pix2pred.demos.importers.frames_of_video import frames_at
-from pix2pred.demos.importers.lerobot_meta import DatasetError, Info, RecordedEpisode, read_episodes, read_info
+from pix2pred.demos.importers.lerobot_meta import (
+    CameraColumn,
+    DatasetError,
+    Info,
+    RecordedEpisode,
+    read_episodes,
+    read_info,
+)
+from pix2pred.demos.importers.lerobot_rows import frame_times, subtasks
 from pix2pred.demos.importers.parquet import picture_rows
 from pix2pred.structs import Image
 from pix2pred.system.extras import optional
 
 
-def drafts_of_lerobot(source: Path, segments: Sequence[Segment], *, max_side: int = MAX_SIDE) -> tuple[Draft, ...]:
-    """One draft for each segment, whose pictures are taken while it is written. Raises ``FolderError``."""
+def drafts_of_lerobot(source: Path, segments: Sequence[Segment] = (), *, max_side: int = MAX_SIDE) -> tuple[Draft, ...]:
+    """One draft for each segment, whose pictures are taken while it is written. Raises ``FolderError``.
+
+    Without segments every episode is one, with the subtasks that the dataset names as steps to be filled in.
+    """
     optional("pyarrow", "lerobot")
+    found: list[Problem] = []
     try:
         info = read_info(source)
         if any(camera.is_video for camera in info.cameras):
             optional("av", "lerobot")
         episodes = read_episodes(source, info)
+        if not segments:
+            return tuple(_of_subtasks(episode, info, source, max_side) for episode in episodes.values())
+        drafts = [_draft(segment, info, episodes, source, max_side, found) for segment in segments]
     except DatasetError as error:
         raise FolderError([Problem(error.file, None, str(error))]) from error
-    found: list[Problem] = []
-    drafts = [_draft(segment, info, episodes, source, max_side, found) for segment in segments]
+    except FolderError:
+        raise
+    except ValueError as error:  # a place that is no number, or a path that cannot be
+        raise FolderError([Problem(source, None, str(error))]) from error
     if found:
         raise FolderError(found)
     return tuple(draft for draft in drafts if draft)
+
+
+def _of_subtasks(episode: RecordedEpisode, info: Info, source: Path, max_side: int) -> Draft:
+    """The draft of a whole episode: a state before its first subtask, and one after each."""
+    parts = subtasks(source, info, episode)
+    frames = (parts[0].first, *(min(part.end, episode.length - 1) for part in parts))
+    name = f"episode-{episode.number}"
+    pictures = _Pictures(source, info, episode, frames, name, max_side)
+    actions = tuple(f"{UNFILLED}: {part.words}" for part in parts)
+    return Draft(name, actions, pictures, notes=_notes(source, info, episode))
 
 
 def _draft(
@@ -68,29 +99,42 @@ def _draft(
     except FolderError as error:
         found += error.problems
         return None
-    end = (episode.length - 1) / info.fps
-    frames = [round(moment * info.fps) for moment in moments]
-    if frames[-1] >= episode.length:
-        message = f"episode {number} ends at {end:.2f} s; nothing shows {moments[-1]:g} s"
-        late = next(i for i, frame in enumerate(frames) if frame >= episode.length)
+    times = frame_times(source, info, episode)
+    late = next((i for i, moment in enumerate(moments) if moment >= times[-1] + 0.5 / info.fps), None)
+    if late is not None:
+        message = f"episode {number} ends at {times[-1]:.2f} s; nothing shows {moments[-1]:g} s"
         found.append(segment.problem(("steps", late - 1) if late else ("start",), message))
         return None
+    frames = [_nearest(times, moment) for moment in moments]
     for i, (frame, following) in enumerate(pairwise(frames)):
         if frame == following:
             found.append(segment.problem(("steps", i), f"begins and ends in one frame, {frame}"))
             return None
-    pictures = _Pictures(source, info, episode, tuple(frames), segment, max_side)
-    return Draft(doc.name, tuple(s.do for s in doc.steps), pictures, doc.objects, doc.goal, _notes(info, episode))
+    where = f"{segment.sheet.file.name}: {doc.name}"
+    pictures = _Pictures(source, info, episode, tuple(frames), where, max_side)
+    actions = tuple(s.do for s in doc.steps)
+    return Draft(doc.name, actions, pictures, doc.objects, doc.goal, _notes(source, info, episode))
 
 
-def _notes(info: Info, episode: RecordedEpisode) -> tuple[str, ...]:
+def _nearest(times: Sequence[float], moment: float) -> int:
+    """The frame taken closest to ``moment``; of two equally close ones the later."""
+    after = bisect_left(times, moment)
+    if after == len(times):
+        return after - 1
+    return after - 1 if after and moment - times[after - 1] < times[after] - moment - 1e-9 else after
+
+
+def _notes(source: Path, info: Info, episode: RecordedEpisode) -> tuple[str, ...]:
     """Where the demonstration comes from, and what is not brought over."""
     tasks = "; ".join(episode.tasks)[:300]
     left = ", ".join(info.numbers) or "none"
+    missing = [c.name for c in info.cameras if c not in episode.cameras(source, info)]
+    absent = (f"No footage of this episode from the camera {', '.join(missing)}.",) if missing else ()
     return (
         f"Episode {episode.number} of a LeRobot dataset{f', whose task is: {tasks}' if tasks else ''}.",
         f"Not brought over: per-frame numbers that belong to no object ({left[:300]}).",
         "Not known from the dataset: where the objects are (boxes), their features, given atoms of the source human.",
+        *absent,
     )
 
 
@@ -102,11 +146,11 @@ class _Pictures:
     info: Info
     episode: RecordedEpisode
     frames: tuple[int, ...]
-    segment: Segment
+    where: str
     max_side: int
 
     def __iter__(self) -> Iterator[Mapping[str, Image]]:
-        streams = {camera.name: self._of(camera.key, camera.is_video) for camera in self.info.cameras}
+        streams = {camera.name: self._of(camera.key, camera.is_video) for camera in self._cameras()}
         for _ in self.frames:
             yield {name: next(stream) for name, stream in streams.items()}
 
@@ -115,7 +159,7 @@ class _Pictures:
         try:
             if is_video:
                 path, begin = self.episode.video(self.source, self.info, key)
-                seconds = [begin + frame / self.info.fps for frame in self.frames]
+                seconds = [begin + frame / self.info.fps for frame in self.frames]  # videos are evenly spaced
                 for pixels in frames_at(path, seconds, self.source):
                     yield Image.from_pixels(scaled(pixels, self.max_side))
             else:
@@ -126,5 +170,11 @@ class _Pictures:
         except FolderError:
             raise
         except ValueError as error:  # of the video, the table, the picture, or a path that cannot be
-            where = f"{self.segment.sheet.file.name}: {self.segment.doc.name}"
-            raise FolderError([Problem(path, None, f"{key}: {error} (for {where})")]) from error
+            raise FolderError([Problem(path, None, f"{key}: {error} (for {self.where})")]) from error
+
+    def _cameras(self) -> Sequence[CameraColumn]:
+        cameras = self.episode.cameras(self.source, self.info)
+        if not cameras:
+            message = f"no camera has footage of episode {self.episode.number} (for {self.where})"
+            raise FolderError([Problem(self.source, None, message)])
+        return cameras

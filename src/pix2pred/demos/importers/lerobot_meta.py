@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, Field, ValidationError
 
-from pix2pred.demos.files.folders import entries, is_folder, refusal
+from pix2pred.demos.files.folders import MISSING, entries, is_folder, refusal
 from pix2pred.demos.files.problems import Problem
 from pix2pred.demos.files.sidecar import demo_name
 from pix2pred.demos.files.yaml_lines import MAX_BYTES
@@ -21,7 +21,19 @@ from pix2pred.system.errors import Pix2predError
 
 MAX_EPISODES = 1_000_000
 _PREFIX = "observation.images."
-_FIELD = re.compile(r"\{(video_key|chunk_index|file_index)(?::0?(\d{1,2})d)?\}")
+_FIELD = re.compile(r"\{(video_key|chunk_index|file_index|episode_chunk|episode_index)(?::0?(\d{1,2})d)?\}")
+_PATHS = {
+    2: (
+        "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
+        "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
+    ),
+    3: (
+        "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
+        "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4",
+    ),
+}
+"""Where tables and videos lie by version, when the dataset does not say."""
+_LONGEST_LINE = 1_000_000
 
 
 class DatasetError(Pix2predError, ValueError):
@@ -45,7 +57,8 @@ class InfoDoc(BaseModel):
     codebase_version: str
     fps: Annotated[float, Field(gt=0, le=10_000, allow_inf_nan=False)]
     features: dict[str, FeatureDoc]
-    data_path: str = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+    chunks_size: int = Field(1000, ge=1)
+    data_path: str | None = None
     video_path: str | None = None
 
 
@@ -60,8 +73,13 @@ class CameraColumn:
 
 @dataclass(frozen=True, slots=True)
 class Info:
-    """Frames per second, the cameras, the other columns, and how paths are made."""
+    """The version (2 or 3), frames per second, the cameras, the other columns, and how paths are made.
 
+    Version 2 keeps a table and videos for each episode, ``chunks_size`` episodes to a folder.
+    """
+
+    version: int
+    chunks_size: int
     fps: float
     cameras: tuple[CameraColumn, ...]
     numbers: tuple[str, ...]
@@ -80,7 +98,9 @@ class RecordedEpisode:
 
     def video(self, source: Path, info: Info, key: str) -> tuple[Path, float]:
         """The file that shows it from the camera ``key``, and the second at which it begins there."""
-        names: dict[str, str | int] = {"video_key": key, **self._indices(f"videos/{key}/")}
+        names: dict[str, str | int] = {"video_key": key, **self._place(info, f"videos/{key}/")}
+        if info.version == 2:
+            return source / filled(info.video_path, names), 0.0
         begin = self.row[f"videos/{key}/from_timestamp"]
         if not isinstance(begin, int | float) or not math.isfinite(begin) or begin < 0:
             raise DatasetError(source, f"episode {self.number} begins at {begin!r} s")
@@ -88,9 +108,20 @@ class RecordedEpisode:
 
     def data(self, source: Path, info: Info) -> Path:
         """The table that holds its frames."""
-        return source / filled(info.data_path, self._indices("data/"))
+        return source / filled(info.data_path, self._place(info, "data/"))
 
-    def _indices(self, prefix: str) -> dict[str, int]:
+    def cameras(self, source: Path, info: Info) -> tuple[CameraColumn, ...]:
+        """Those of the dataset's cameras that have footage of this episode."""
+        return tuple(c for c in info.cameras if not c.is_video or self._has_footage(source, info, c.key))
+
+    def _has_footage(self, source: Path, info: Info, key: str) -> bool:
+        if info.version == 2:
+            return refusal(self.video(source, info, key)[0], source) != MISSING
+        return self.row[f"videos/{key}/chunk_index"] is not None or self.row[f"videos/{key}/file_index"] is not None
+
+    def _place(self, info: Info, prefix: str) -> dict[str, int]:
+        if info.version == 2:
+            return {"episode_index": self.number, "episode_chunk": self.number // info.chunks_size}
         return {name: _whole(self.row[f"{prefix}{name}"], self.number) for name in ("chunk_index", "file_index")}
 
 
@@ -106,9 +137,10 @@ def read_info(source: Path) -> Info:
             raise DatasetError(file, f"has more than {MAX_BYTES} bytes")
         data = json.loads(file.read_bytes())
         version = data.get("codebase_version") if isinstance(data, dict) else None
-        if not re.match(r"v3(\.|$)", str(version)):
-            message = f"the dataset's version is {str(version)[:20]!r}, this program reads v3"
-            raise DatasetError(file, f"{message}; LeRobot converts older ones (lerobot ... convert_dataset_v21_to_v30)")
+        known = re.match(r"v([23])(\.|$)", str(version))
+        if not known:
+            message = f"the dataset's version is {str(version)[:20]!r}, this program reads v2 and v3"
+            raise DatasetError(file, f"{message}; LeRobot converts older ones")
         doc = InfoDoc.model_validate(data)
     except ValidationError as error:
         first = error.errors()[0]
@@ -124,12 +156,18 @@ def read_info(source: Path) -> Info:
     if not cameras:
         raise DatasetError(file, "the dataset has no camera; nothing can be learned from it")
     numbers = tuple(key for key, feature in doc.features.items() if feature.dtype not in ("video", "image"))
-    video_path = doc.video_path or "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
-    return Info(doc.fps, tuple(cameras.values()), numbers, doc.data_path, video_path)
+    number = int(known[1])
+    data_path, video_path = doc.data_path or _PATHS[number][0], doc.video_path or _PATHS[number][1]
+    return Info(number, doc.chunks_size, doc.fps, tuple(cameras.values()), numbers, data_path, video_path)
 
 
 def read_episodes(source: Path, info: Info) -> dict[int, RecordedEpisode]:
-    """The episodes of all tables below ``meta/episodes``, by number. Raises ``DatasetError``."""
+    """The episodes of all tables below ``meta/episodes``, by number. Raises ``DatasetError``.
+
+    Version 2 has a line for each in ``meta/episodes.jsonl``.
+    """
+    if info.version == 2:
+        return _episodes_of_lines(source)
     folder = source / "meta" / "episodes"
     found: list[Problem] = []
     files = [f for chunk in entries(folder, found) for f in (entries(chunk, found) if is_folder(chunk) else [])]
@@ -137,7 +175,7 @@ def read_episodes(source: Path, info: Info) -> dict[int, RecordedEpisode]:
     if not files:
         raise DatasetError(folder, "holds no table of episodes (chunk-000/file-000.parquet)")
     columns = ["episode_index", "length", "tasks"]
-    if any(not camera.is_video for camera in info.cameras):
+    if info.numbers or any(not camera.is_video for camera in info.cameras):
         columns += ["data/chunk_index", "data/file_index"]
     for camera in info.cameras:
         if camera.is_video:
@@ -156,6 +194,28 @@ def read_episodes(source: Path, info: Info) -> dict[int, RecordedEpisode]:
             raise error if isinstance(error, DatasetError) else DatasetError(file, str(error)) from error
     if not episodes:
         raise DatasetError(folder, "names no episode")
+    return dict(sorted(episodes.items()))
+
+
+def _episodes_of_lines(source: Path) -> dict[int, RecordedEpisode]:
+    file = source / "meta" / "episodes.jsonl"
+    if message := refusal(file, source):
+        raise DatasetError(file, message)
+    episodes: dict[int, RecordedEpisode] = {}
+    try:
+        with file.open(encoding="utf-8") as lines:
+            while line := lines.readline(_LONGEST_LINE):
+                if line.strip():
+                    episode = _episode(json.loads(line))
+                    episodes[episode.number] = episode
+                if len(episodes) > MAX_EPISODES:
+                    raise DatasetError(file, f"more than {MAX_EPISODES} episodes are not read")
+    except DatasetError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise DatasetError(file, f"cannot be read as a list of episodes ({error})") from error
+    if not episodes:
+        raise DatasetError(file, "names no episode")
     return dict(sorted(episodes.items()))
 
 

@@ -45,11 +45,15 @@ class _Tried:
 
 
 def input_row(features: Features, objects: Sequence[Object]) -> Rows:
-    """The features of ``objects``, one after the other. Raises ``ValueError`` when an object has none."""
-    missing = [o.name for o in objects if o not in features]
+    """The features of ``objects``, one after the other; an object whose type has none adds nothing.
+
+    Raises ``ValueError`` when a feature is missing.
+    """
+    featured = [o for o in objects if o.type.features]
+    missing = [o.name for o in featured if o not in features]
     if missing:
         raise ValueError(f"a sampler needs the features of {missing[0]}, and there are none")
-    return np.array([value for item in objects for value in features[item]], dtype=float)
+    return np.array([value for item in featured for value in features[item]], dtype=float)
 
 
 def sampler_data(operator: Operator, demos: Sequence[Demo], labelled: Sequence[LabelledDemo]) -> SamplerData:

@@ -19,8 +19,10 @@ from pix2pred.structs import (
     Object,
     Predicate,
     TruthTable,
+    count_groundings,
     groundings,
 )
+from pix2pred.system.errors import Pix2predError
 from pix2pred.system.progress import Progress, Stage, silent
 
 
@@ -34,6 +36,10 @@ class Labelling:
     gaps: tuple[Gap, ...] = ()
 
 
+MOST_ATOMS = 1_000_000
+"""Atoms of one scene that are made at all: some hundred bytes each."""
+
+
 def label_demos(
     demos: Sequence[Demo],
     initial: Sequence[Predicate],
@@ -41,14 +47,18 @@ def label_demos(
     labeller: StateLabeller,
     *,
     progress: Progress = silent,
+    max_atoms: int = MOST_ATOMS,
 ) -> Labelling:
     """Label every atom of ``initial`` and ``pool`` in every state; states of a demonstration in order.
 
-    ``labeller.together`` says how much is asked at once. Raises ``UnusableAnswersError`` when no answer holds a label.
+    ``labeller.together`` says how much is asked at once. Raises ``TooManyAtomsError`` before the first question when a
+    demonstration has more than ``max_atoms``, and ``UnusableAnswersError`` when no answer holds a label.
     """
     predicates = (*initial, *(c.predicate for c in pool))
     labelled: list[LabelledDemo] = []
     answers: list[tuple[StateLabels, ...]] = []
+    for demo in demos:
+        refuse_too_many(predicates, demo.objects, max_atoms)
     work = labeller.together.map(lambda demo: _label_demo(demo, predicates, labeller), demos)
     for demo, (one, texts) in zip(demos, work, strict=True):
         labelled.append(one)
@@ -94,6 +104,27 @@ def goal_warnings(demos: Iterable[LabelledDemo]) -> list[str]:
     return warnings
 
 
+class TooManyAtomsError(Pix2predError, ValueError):
+    """Predicates have more atoms over the objects of a scene than are made; the message names the largest."""
+
+
 def ground_atoms(predicates: Iterable[Predicate], objects: Sequence[Object]) -> tuple[Atom, ...]:
-    """All type-consistent atoms over distinct objects (switch ``distinct_args`` of method 1.5 on), sorted."""
+    """All type-consistent atoms over distinct objects (switch ``distinct_args`` of method 1.5 on), sorted.
+
+    Raises ``TooManyAtomsError`` when there are more than ``MOST_ATOMS``.
+    """
+    predicates = tuple(predicates)
+    refuse_too_many(predicates, objects, MOST_ATOMS)
     return tuple(sorted(Atom(p, args) for p in predicates for args in groundings(p.types, objects, distinct=True)))
+
+
+def refuse_too_many(predicates: Sequence[Predicate], objects: Sequence[Object], most: int) -> None:
+    """Raise ``TooManyAtomsError`` when ``predicates`` have more than ``most`` atoms over ``objects``; makes none."""
+    counts = {p: count_groundings(p.types, objects, distinct=True) for p in predicates}
+    total = sum(counts.values())
+    if total > most:
+        largest = max(predicates, key=lambda p: counts[p])
+        raise TooManyAtomsError(
+            f"{largest.signature} has {counts[largest]:,} of {total:,} atoms over {len(objects)} objects; more than "
+            f"{most:,} are not labelled. Leave out objects or the predicate, or raise flow.max_atoms"
+        )

@@ -26,6 +26,9 @@ class FlowSettings(BaseModel):
     tries: int = Field(10, ge=1, description="requests for one question before it stays without an answer")
     first_pause: float = Field(1.0, ge=0, description="seconds; longest pause after a first failure, then doubled")
     longest_pause: float = Field(60.0, ge=0, description="seconds; cap of the doubling")
+    max_atoms: int = Field(
+        100_000, ge=1, description="atoms of one demonstration that are labelled; more end the run before it asks"
+    )
     unusable_in_a_row: int = Field(10, ge=1, description="useless answers, one after the other, that end the run")
 
 
