@@ -23,7 +23,7 @@ from pix2pred.execution import Solver
 from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY
-from pix2pred.settings import Layer, Settings, of_project, resolve
+from pix2pred.settings import Layer, of_project, resolve
 from pix2pred.vlm import VLM, Answer, Purpose, Request
 from pix2pred.vlm.control.estimate import EstimatingVLM
 from pix2pred.vlm.noise.flips import FlippingVLM
@@ -79,13 +79,13 @@ class Unstored:
         return Answer(self._model.answer(request).text)
 
 
-def run(protocol: str, family: str, seed: int, flip: float, count: int, model: str, given: Any) -> dict[str, Any]:
+def run(
+    protocol: str, family: str, seed: int, flip: float, count: int, model: str, given: Sequence[Layer]
+) -> dict[str, Any]:
     """The figures of one family and seed."""
     name = FAMILIES[family]
     domain = REGISTRY.domain(name)
-    settings: Settings = resolve(
-        of_project(domain.settings(family)), Layer(PROTOCOLS[protocol], protocol), Layer(given, "--config")
-    )
+    settings = resolve(of_project(domain.settings(family)), Layer(PROTOCOLS[protocol], protocol), *given)
     reader = REGISTRY.vlm("offline", name)
     answering = FlippingVLM(reader, flip, seed) if flip else reader
     provider, _, priced = model.partition(":")
@@ -121,19 +121,20 @@ def main() -> None:
     parser.add_argument("--protocols", nargs="*", default=list(PROTOCOLS), choices=list(PROTOCOLS))
     parser.add_argument("--count", type=int, default=10, help="tasks per family and seed")
     parser.add_argument("--model", default="openai:gpt-4o", help="whose prices are counted")
+    parser.add_argument("--operators", default="robust", help="the learner, the same for every protocol")
     parser.add_argument("--config", default="{}", help="settings on top, as JSON")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     rows = []
+    learner = {"learning": {"operators": arguments.operators}}
+    given = [Layer(learner, "--operators"), Layer(json.loads(arguments.config), "--config")]
     print("| protocol | family | seed | flipped | dollars | questions | atoms | tokens | chain | solved | selected |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
     for family in arguments.families:
         for seed in arguments.seeds:
             for flip in arguments.flip:
                 for protocol in arguments.protocols:
-                    row = run(
-                        protocol, family, seed, flip, arguments.count, arguments.model, json.loads(arguments.config)
-                    )
+                    row = run(protocol, family, seed, flip, arguments.count, arguments.model, given)
                     rows.append(row)
                     tokens = f"{row['input_tokens'] / 1e3:.0f}k + {row['output_tokens'] / 1e3:.0f}k"
                     print(

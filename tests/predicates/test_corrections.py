@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pix2pred.predicates.corrections import Corrections, CorrectionsError, parse_row, read_rows, row_line
+from pix2pred.predicates.correction_rows import CorrectionsError, parse_row, read_rows, row_line
+from pix2pred.predicates.corrections import Corrections
 from pix2pred.predicates.labelling.explanations import explanations
 from pix2pred.structs import (
     Action,
@@ -148,3 +149,21 @@ def test_explanations_beside_and_elsewhere() -> None:
         "lit(a)": "Changes: lit(a) is now bright",
         "lit(b)": "It is dark.",
     }
+
+
+def test_a_meaning_is_reworded_and_nothing_else_changes() -> None:
+    rows = [
+        row("meaning", predicate="lit", old="", new="It shines."),
+        row("rename", predicate="lit", old="lit", new="on"),
+    ]
+    corrected = Corrections.of(rows).apply(table()).table
+    assert [(c.predicate.name, c.predicate.description) for c in corrected.pool] == [
+        ("glows", ""),
+        ("on", "It shines."),
+    ]
+    assert {a.predicate.name: a.predicate.description for a in corrected.demos[0].atoms}["on"] == "It shines."
+    assert (corrected.demos[0].values == Corrections.of(rows[1:]).apply(table()).table.demos[0].values).all()
+    with pytest.raises(CorrectionsError, match="Done is a given predicate"):
+        Corrections.of([row("meaning", predicate="Done", old="", new="x")]).apply(table())
+    with pytest.raises(CorrectionsError, match="new"):
+        row("meaning", predicate="lit", old="", new="two\nlines")

@@ -16,7 +16,7 @@ import pytest
 from lamps_run import learn_lamps
 from pix2pred.learning import load_traces
 from pix2pred.predicates import CORRECTIONS
-from pix2pred.predicates.corrections import parse_row
+from pix2pred.predicates.correction_rows import parse_row
 from pix2pred.review import CorrectionLog, StaleError
 from pix2pred.runs.layout import AS_SAID
 
@@ -76,7 +76,7 @@ PROGRAM = """
 import json, sys
 from pathlib import Path
 from pix2pred.learning import load_traces
-from pix2pred.predicates.corrections import parse_row
+from pix2pred.predicates.correction_rows import parse_row
 from pix2pred.review import CorrectionLog
 from pix2pred.runs.layout import AS_SAID
 folder = Path(sys.argv[1])

@@ -1,7 +1,8 @@
 """From pictures to symbols: proposing, labelling, and feature predicates."""
 
 from pix2pred.predicates.abstraction import Abstraction
-from pix2pred.predicates.corrections import CORRECTIONS, Corrections, CorrectionsError, load_corrections
+from pix2pred.predicates.correction_rows import CORRECTIONS, CorrectionsError
+from pix2pred.predicates.corrections import Corrections, load_corrections
 from pix2pred.predicates.grammar import GrammarSettings, feature_predicates
 from pix2pred.predicates.labelling.asking import Gap, Occurrence
 from pix2pred.predicates.labelling.evidence import EVIDENCE, EvidenceError, dump_evidence

@@ -1,118 +1,28 @@
-"""A person's corrections: rows of an append-only file, applied to what the model said, never instead of it.
-
-Every row holds when it was made and the value before and after. Rows name predicates as the model's pool names them,
-whatever they are renamed to. The last row about a thing counts.
-"""
+"""A person's corrections: rows of an append-only file, applied to what the model said, never instead of it."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, TypeAdapter, ValidationError
 
-from pix2pred.structs import (
-    Atom,
-    Label,
-    LabelledDemo,
-    Predicate,
-    TruthTable,
+from pix2pred.predicates.correction_rows import (
+    Cell,
+    CorrectionsError,
+    LabelRow,
+    LabelWord,
+    MeaningRow,
+    MergeRow,
+    RenameRow,
+    Row,
+    Standing,
+    StandingRow,
+    read_rows,
 )
-from pix2pred.structs.formats.documents import Document, PredicateName
+from pix2pred.structs import Atom, Label, LabelledDemo, Predicate, TruthTable
 from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
-from pix2pred.system.errors import Pix2predError
-from pix2pred.system.files import read_regular
-
-CORRECTIONS = "corrections.jsonl"
-"""Where a run keeps them."""
-
-LabelWord = Literal["true", "false", "unknown"]
-Standing = Literal["free", "banned", "pinned"]
-
-
-class CorrectionsError(Pix2predError, ValueError):
-    """Corrections that cannot be read or do not fit the run; the message says which row and why."""
-
-
-class LabelRow(Document):
-    """One label set right: ``atom`` is a predicate name and object names."""
-
-    kind: Literal["label"]
-    when: str
-    demo: str
-    state: int = Field(ge=0)
-    atom: tuple[str, ...] = Field(min_length=1)
-    old: LabelWord
-    new: LabelWord
-
-
-class RenameRow(Document):
-    """A predicate called by another name from now on; queries keep the model's word."""
-
-    kind: Literal["rename"]
-    when: str
-    predicate: str
-    old: str
-    new: PredicateName
-
-
-class MergeRow(Document):
-    """A predicate declared to mean the same as another one, which stands for both; None: it stands for itself."""
-
-    kind: Literal["merge"]
-    when: str
-    predicate: str
-    old: str | None
-    new: str | None
-
-
-class StandingRow(Document):
-    """Whether selection must take a predicate, must not, or may."""
-
-    kind: Literal["standing"]
-    when: str
-    predicate: str
-    old: Standing
-    new: Standing
-
-
-Row = LabelRow | RenameRow | MergeRow | StandingRow
-_ROW: TypeAdapter[Row] = TypeAdapter(Annotated[Row, Field(discriminator="kind")])
-
-Cell = tuple[str, int, tuple[str, ...]]
-"""(demonstration, state, atom)."""
-
-
-def parse_row(text: str | bytes) -> Row:
-    """One line of the file. Raises ``CorrectionsError``."""
-    try:
-        return _ROW.validate_json(text)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise CorrectionsError(f"{where}: {first['msg']}" if where else str(first["msg"])) from error
-
-
-def read_rows(path: Path) -> tuple[Row, ...]:
-    """The rows of a corrections file; none when there is no file.
-
-    A last line that was cut off while being written was never confirmed to anybody and is left out. Raises
-    ``CorrectionsError`` naming the line for anything else that is no row.
-    """
-    if not path.exists():
-        return ()
-    lines = read_regular(path).split(b"\n")[:-1]
-    rows = []
-    for number, line in enumerate(lines, start=1):
-        try:
-            rows.append(parse_row(line))
-        except CorrectionsError as error:
-            raise CorrectionsError(f"{path}: line {number}: {error}") from error
-    return tuple(rows)
 
 
 @dataclass(frozen=True)
@@ -124,6 +34,7 @@ class Corrections:
     names: dict[str, str] = field(default_factory=dict)
     merged: dict[str, str] = field(default_factory=dict)
     standing: dict[str, Standing] = field(default_factory=dict)
+    meanings: dict[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, rows: Sequence[Row]) -> Corrections:
@@ -141,20 +52,25 @@ class Corrections:
                     made.merged[row.predicate] = str(row.new)
                 case StandingRow():
                     made.standing[row.predicate] = row.new
+                case MeaningRow():
+                    made.meanings[row.predicate] = row.new
         return made
 
     def apply(self, table: TruthTable) -> Corrected:
         """The table that learning sees. Raises ``CorrectionsError`` for what does not fit ``table``."""
         predicates = {p.name: p for p in (*table.initial, *(c.predicate for c in table.pool))}
         pool = {c.predicate.name for c in table.pool}
-        for name in (*self.names, *self.merged, *self.merged.values(), *self.standing):
+        for name in (*self.names, *self.merged, *self.merged.values(), *self.standing, *self.meanings):
             if name not in pool:
                 raise CorrectionsError(_complaint(name, predicates))
         kept = {name: self._representative(name) for name in self.merged}
         for name, other in kept.items():
             if predicates[name].types != predicates[other].types:
                 raise CorrectionsError(f"{name} and {other} take different arguments and cannot be merged")
-        final = {name: replace(p, name=self.names.get(name, name)) for name, p in predicates.items()}
+        final = {
+            name: replace(p, name=self.names.get(name, name), description=self.meanings.get(name, p.description))
+            for name, p in predicates.items()
+        }
         gone = {*kept, *(name for name, standing in self.standing.items() if standing == "banned")}
         final = {name: p for name, p in final.items() if name not in gone}
         names = [p.name for p in final.values()]
@@ -265,11 +181,6 @@ def with_atoms(demo: LabelledDemo, atoms: Iterable[Atom]) -> LabelledDemo:
 def load_corrections(path: Path) -> Corrections:
     """The corrections in a file; none when there is no file. Raises ``CorrectionsError``."""
     return Corrections.of(read_rows(path))
-
-
-def row_line(row: Row) -> bytes:
-    """A row as its line in the file."""
-    return json.dumps(row.model_dump(mode="json")).encode() + b"\n"
 
 
 def _in(atom: Atom, final: dict[str, Predicate]) -> bool:

@@ -11,7 +11,8 @@ from typing import Any
 
 from pix2pred.learning import ClimbEnd, Support, load_traces, operator_support
 from pix2pred.predicates import Corrections, ground_atoms
-from pix2pred.predicates.corrections import Row, read_rows, with_atoms
+from pix2pred.predicates.correction_rows import Row, read_rows
+from pix2pred.predicates.corrections import with_atoms
 from pix2pred.predicates.labelling.evidence import Evidence, load_evidence
 from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder, RunFolderError

@@ -13,15 +13,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from pix2pred.predicates import CORRECTIONS, Corrections, CorrectionsError
-from pix2pred.predicates.corrections import (
+from pix2pred.predicates.correction_rows import (
     LabelRow,
+    MeaningRow,
     MergeRow,
     RenameRow,
     Row,
     StandingRow,
     row_line,
 )
-from pix2pred.predicates.corrections import read_rows as read
+from pix2pred.predicates.correction_rows import read_rows as read
 from pix2pred.structs import (
     Label,
     TruthTable,
@@ -49,6 +50,7 @@ class CorrectionLog:
         self.path = folder / CORRECTIONS
         self._said = said
         self._demos = {demo.name: demo for demo in said.demos}
+        self._meanings = {c.predicate.name: c.predicate.description for c in said.pool}
         self._columns = {
             demo.name: {(a.predicate.name, *(o.name for o in a.objects)): i for i, a in enumerate(demo.atoms)}
             for demo in said.demos
@@ -92,6 +94,8 @@ class CorrectionLog:
                 return corrections.merged.get(row.predicate)
             case StandingRow():
                 return corrections.standing.get(row.predicate, "free")
+            case MeaningRow():
+                return corrections.meanings.get(row.predicate, self._meanings.get(row.predicate, ""))
 
     def _label(self, row: LabelRow) -> Label:
         """What the model said; atoms that are false everywhere are not listed."""

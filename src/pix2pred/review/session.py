@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from pix2pred.learning import load_traces
 from pix2pred.predicates import Corrections, CorrectionsError
-from pix2pred.predicates.corrections import Row, parse_row
+from pix2pred.predicates.correction_rows import Row, parse_row
 from pix2pred.report import load_contents, write_report
 from pix2pred.report.page import as_json
 from pix2pred.review.log import CorrectionLog, now

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pix2pred.predicates.corrections import LabelRow, MergeRow, RenameRow, Row, StandingRow
+from pix2pred.predicates.correction_rows import LabelRow, MeaningRow, MergeRow, RenameRow, Row, StandingRow
 from pix2pred.report.contents import Contents
 
 
@@ -67,6 +67,8 @@ def describe(row: Row) -> tuple[str, str, str, str]:
             return row.when, f"{row.predicate} means the same as", row.old or "–", row.new or "–"
         case StandingRow():
             return row.when, f"standing of {row.predicate}", row.old, row.new
+        case MeaningRow():
+            return row.when, f"meaning of {row.predicate}", row.old or "–", row.new or "–"
 
 
 def _operator(doc: Mapping[str, Any]) -> str:
