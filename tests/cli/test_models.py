@@ -308,14 +308,17 @@ def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
     import traceback
 
     from pix2pred.images import ShownPictures
-    from pix2pred.vlm import Request, VLMError
+    from pix2pred.vlm import FlowSettings, Request, VLMError
     from pix2pred.vlm.hosted.client import HostedVLM
-    from pix2pred.vlm.model_spec import hosted_model
+    from pix2pred.vlm.hosted.openai_compatible import OpenAICompatible
+    from pix2pred.vlm.hosted.spec import hosted_model
 
     monkeypatch.setenv("PIX2PRED_API_KEY", KEY)
     caplog.set_level(logging.DEBUG)
     with FaultServer(rates).running() as server:
-        vlm = HostedVLM(hosted_model(model(server)), ShownPictures(), 0.8)
+        vlm = HostedVLM(
+            hosted_model(OpenAICompatible(), f"tiny@{server.url}"), ShownPictures(), FlowSettings(timeout=0.8)
+        )
         if not rates:
             vlm.answer(Request(Purpose.LABEL, ("x",), 10))
         else:

@@ -15,12 +15,10 @@ from cyclopts import Parameter
 from pix2pred import __version__
 from pix2pred.cli.console import out, print_json
 from pix2pred.images import ShownPictures
-from pix2pred.registry import RegistryError, load_domain, load_vlm
+from pix2pred.registry import REGISTRY, RegistryError, load_domain, load_vlm
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
 from pix2pred.vlm import Finish, FlowSettings, Purpose, Request, VLMError
-from pix2pred.vlm.hosted.client import key_of_provider
-from pix2pred.vlm.model_spec import KEY_VARIABLES
 
 _PACKAGES = {
     "core": ("pydantic-ai-slim", "openai", "genai-prices", "numpy", "pillow", "scikit-learn"),
@@ -77,9 +75,10 @@ def _installed() -> Iterator[Finding]:
 
 
 def _keys() -> Iterator[Finding]:
-    for provider, names in KEY_VARIABLES.items():
-        has = key_of_provider(provider) is not None
-        yield Finding(f"key for {provider}", True if has else None, "is set" if has else f"set {' or '.join(names)}")
+    for provider in REGISTRY.providers():
+        has = provider.key() is not None
+        what = "is set" if has else f"set {provider.keys_in_words}"
+        yield Finding(f"key for {provider.name}", True if has else None, what)
 
 
 def _rendering() -> Finding:

@@ -17,11 +17,12 @@ import os
 import re
 import shutil
 import threading
+from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.system.files import write_whole
-from pix2pred.vlm.hosted.client import Draw
-from pix2pred.vlm.request import Answer, NoAnswerError, Request, VLMError
+from pix2pred.vlm.model_spec import Draw, Kind, ModelSpec, Setup
+from pix2pred.vlm.request import VLM, Answer, NoAnswerError, Request, VLMError
 
 ANSWERED = "answered"
 _README = """# Questions waiting for an answer
@@ -37,6 +38,23 @@ Every folder here is one question. To answer it:
 Answered folders move to `answered/`. New questions appear as answers come in, because a question about a state holds
 the answer about the state before. You can stop the program (Ctrl-C) and run the same command again days later.
 """
+
+
+@dataclass(frozen=True, slots=True)
+class MailboxSpec(ModelSpec):
+    """A person, or whoever answers through a folder."""
+
+    directory: Path
+
+    def connect(self, setup: Setup) -> VLM:
+        return MailboxVLM(self.directory, setup.draw)
+
+    @property
+    def waits_in(self) -> Path:
+        return self.directory
+
+
+MAILBOX = Kind("mailbox:DIR", lambda rest: MailboxSpec(Path(rest)))
 
 
 class MailboxVLM:
