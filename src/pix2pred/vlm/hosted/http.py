@@ -99,11 +99,24 @@ def usual(content: bytes) -> bytes:
         document = json.loads(content)
     except (ValueError, RecursionError):
         return content
+    endless = _without_odd_finishes(document)
     odd = [name for name in _UNNEEDED if name in document and not _has_form(name, document[name])]
-    if not odd and "id" in document and "created" in document:
+    if not odd and not endless and "id" in document and "created" in document:
         return content
     kept = {name: value for name, value in document.items() if name not in odd}
     return json.dumps({"id": "", "created": 0, "object": "chat.completion", "model": ""} | kept).encode()
+
+
+def _without_odd_finishes(document: Any) -> bool:
+    """Make reasons to finish that say nothing absent; whether there were any."""
+    choices = document.get("choices")
+    odd = [
+        choice for choice in (choices if isinstance(choices, list) else ())
+        if isinstance(choice, dict) and not (choice.get("finish_reason") and isinstance(choice["finish_reason"], str))
+    ]  # fmt: skip
+    for choice in odd:
+        choice["finish_reason"] = None
+    return bool(odd)
 
 
 def _has_form(name: str, value: Any) -> bool:

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from pydantic_ai.models import Model
 
 
+_NO_TAGS = ("\x00think", "\x00/think")
+"""Marks that stand in no answer: the client library would drop a beginning of thinking that has no end."""
+
+
 class OpenAICompatible(OpenAI):
     """A model at an address. Pictures count in many ways; they are taken to count as at OpenAI."""
 
@@ -28,6 +32,7 @@ class OpenAICompatible(OpenAI):
         profile = OpenAIModelProfile(  # the older name of the budget is the one nearly every server knows
             openai_chat_supports_max_completion_tokens=Parameter.BUDGET_NAME in left_out,
             supports_json_schema_output=True,
+            thinking_tags=_NO_TAGS,
         )
         provider = OpenAICompatibleProvider(
             "openai-compatible", base_url=url, api_key=key or None, http_client=http, profile=profile
