@@ -20,6 +20,7 @@ from pix2pred.predicates import ProposalSettings, propose
 from pix2pred.predicates.proposing.propose import TooManyPicturesError, parts_of
 from pix2pred.registry import REGISTRY
 from pix2pred.vlm import VLM, Answer, Finish, FlowSettings, NoAnswerError, Purpose, Request, Spent, VLMError
+from pix2pred.vlm.checkup import MOST_QUESTIONS, Trait, check
 from pix2pred.vlm.control.flow import FlowVLM, TransientError
 from pix2pred.vlm.control.guard import BeyondEstimateError, Expected, GuardVLM
 from pix2pred.vlm.hosted.failures import _blotted
@@ -399,3 +400,44 @@ def test_mutated_servers_never_hang_or_crash(tmp_path: Path) -> None:
                 vlm.answer(replace(QUESTION, sample=n))
             except VLMError as error:
                 assert str(error).isprintable()
+
+
+def traits(server: FaultServer) -> dict[str, Trait]:
+    views = [view(20, 0), view(220, 1)]
+    return {trait.what: trait for trait in check(asked_of(server), views)}
+
+
+def test_a_check_up_of_a_good_server_asks_six_questions_at_most() -> None:
+    with running(Scripted(lambda body: said("heliotrope: red, then blue"))) as server:
+        found = traits(server)
+        assert len(server.asked) <= MOST_QUESTIONS and all(trait.ok for trait in found.values())
+
+
+def cutting(body: dict[str, Any]) -> Reply:
+    status, document = said("I do not know")
+    document["usage"]["prompt_tokens"] = 2048
+    return status, document
+
+
+def five_pictures(body: dict[str, Any]) -> Reply:
+    shown = sum(part["type"] == "image_url" for part in body["messages"][0]["content"])
+    return refused(f"Too many images provided ({shown}). Up to 5 images are supported") if shown > 5 else said("red")
+
+
+FINDINGS: dict[str, tuple[Callable[[dict[str, Any]], Reply], str, str]] = {
+    "thinking": (thinking(3000), "thinks", "flow: {thinking: "),
+    "five pictures": (five_pictures, "8 pictures", "max_pictures"),
+    "cut prompts": (cutting, "long questions", "longer context"),
+    "no pictures": (lambda body: LASTING["no projector"], "answers", ""),
+    "temperature": (litellm, "answers", ""),
+}
+
+
+@pytest.mark.parametrize("what", FINDINGS)
+def test_a_check_up_finds_what_is_odd_and_says_which_setting_follows(what: str) -> None:
+    reply, trait, setting = FINDINGS[what]
+    with running(Scripted(reply)) as server:
+        found = traits(server)
+        assert setting in found[trait].setting
+        assert found[trait].ok == (what in ("thinking", "temperature"))
+        assert len(server.asked) <= MOST_QUESTIONS + 3, "each parameter that is left out costs a refused request more"
