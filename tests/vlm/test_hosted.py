@@ -9,13 +9,11 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from http.server import BaseHTTPRequestHandler
-from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
 
 from extras import need
-from pix2pred import registry
 from pix2pred.images import ShownPictures, draw_view
 from pix2pred.registry import REGISTRY
 from pix2pred.structs import Image, Picture
@@ -202,29 +200,6 @@ def test_what_names_no_model_is_told_in_plain_characters(bad: str) -> None:
     with pytest.raises(ModelNameError) as caught:
         REGISTRY.model_spec(bad)
     assert str(caught.value).isprintable()
-
-
-class Elsewhere(OpenAICompatible):
-    """A provider of another package: one class."""
-
-    name = "elsewhere"
-    form = "elsewhere:MODEL@URL"
-    key_variables = ("ELSEWHERE_KEY",)
-
-    def picture_tokens(self, width: int, height: int) -> int:
-        return 7
-
-
-def test_a_provider_of_another_package_is_one_class_and_one_line(
-    server: FaultServer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    entry = EntryPoint("elsewhere", f"{__name__}:Elsewhere", "pix2pred.providers")
-    monkeypatch.setattr(registry, "entry_points", lambda group: [entry] if group == entry.group else [])
-    vlm = REGISTRY.vlm(f"elsewhere:tiny@{server.url}", None)
-    assert vlm.name == "elsewhere:tiny" and vlm.answer(REQUEST).finish == Finish.COMPLETE
-    rates = REGISTRY.model_spec("elsewhere:tiny@http://localhost/v1").rates
-    assert rates is not None and rates.picture_tokens(512, 512) == 7
-    assert "elsewhere" in [p.name for p in REGISTRY.providers()]
 
 
 def test_prices_are_known_for_known_models_alone() -> None:
