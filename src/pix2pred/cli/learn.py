@@ -54,6 +54,10 @@ class AskingOptions:
         int | None, Parameter(help="Samples per labelling query; the majority decides.", validator=between(1, 99))
     ] = None
     concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=WORKERS)] = None
+    max_wait: Annotated[
+        float | None,
+        Parameter(help="Longest seconds to wait for a server that asks to [default: 600].", validator=between(0, 86_400)),
+    ] = None
     longest_side: Annotated[
         int | None,
         Parameter(
@@ -79,6 +83,7 @@ class AskingOptions:
             {
                 ("labels", "votes"): self.votes,
                 ("flow", "concurrent"): self.concurrent,
+                ("flow", "max_wait"): self.max_wait,
                 ("labels", "longest_side"): self.longest_side,
                 ("proposal", "longest_side"): self.longest_side,
             }
