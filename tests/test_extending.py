@@ -21,6 +21,7 @@ from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import KnowsTruth, Replayable, Sized
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import AnswerStore, Purpose, Request
+from vlm.fault_server import FaultServer
 
 PAGE = Path(__file__).parents[1] / "docs" / "extending.md"
 
@@ -37,7 +38,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
         (root / f"{name}.py").write_text(code)
     declared = re.findall(r'\[project\.entry-points\."([\w.]+)"\]\n(\w+) = "(.*?)"', text)
     assert {group for group, _, _ in declared} == {
-        f"pix2pred.{group}" for group in ("approaches", "models", "heuristics", "searches")
+        f"pix2pred.{group}" for group in ("approaches", "models", "providers", "heuristics", "searches")
     }
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: extras\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("".join(f"[{g}]\n{name} = {where}\n" for g, name, where in declared))
@@ -63,6 +64,17 @@ def test_a_kind_of_model_from_outside_answers_and_is_stored(installed: Path, tmp
     assert model.answer(request).text == "hello"
     assert REGISTRY.stored("says:hello", None, store).answer(request).stored
     assert REGISTRY.estimator("says:hello", None, store).name == "says:hello"
+
+
+def test_a_provider_from_outside_is_asked_and_reckoned_with(installed: Path) -> None:
+    with FaultServer().running() as server:
+        model = REGISTRY.vlm(f"elsewhere:tiny@{server.url}", None)
+        answer = model.answer(Request(Purpose.LABEL, ("Is it?\n\nPredicates:\nlit(a)",), 100))
+        assert model.name == "elsewhere:tiny" and answer.text.startswith("* lit(a)")
+        assert '"max_tokens":2100' in server.bodies[0].replace(" ", ""), "thinking has room beside the answer"
+    rates = REGISTRY.model_spec("elsewhere:tiny@http://localhost/v1").rates
+    assert rates is not None and (rates.picture_tokens(512, 512), rates.thinking_tokens()) == (7, 2000)
+    assert "elsewhere" in [p.name for p in REGISTRY.providers()]
 
 
 def test_searches_and_heuristics_from_outside_plan(installed: Path, tmp_path: Path) -> None:

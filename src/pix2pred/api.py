@@ -233,7 +233,7 @@ def load_solver(
 def _vlm(vlm: str | VLM, domain: str | None, answers: Path | None, settings: Settings) -> VLM:
     if not isinstance(vlm, str):
         return vlm
-    if answers is None and not vlm.startswith("replay:"):
+    if answers is None and REGISTRY.model_spec(vlm).own_answers is None:
         return REGISTRY.vlm(vlm, domain, settings.flow)
     store = AnswerStore(answers or Path())  # a replay brings its own instead
     return REGISTRY.stored(vlm, domain, store, flow=settings.flow)

@@ -117,6 +117,7 @@ def visual_pool(problem: LearningProblem) -> Pool:
         settings.labels,
         Together(settings.flow.concurrent),
         problem.progress,
+        max_pictures=settings.flow.max_pictures,
     )
     return Pool(candidates, proposals)
 

@@ -7,7 +7,6 @@ each. A command takes one ``Registry`` and asks it for everything, so that tests
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -37,12 +36,17 @@ from pix2pred.structs.environment import Domain, Environment, KnowsTruth
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
-from pix2pred.vlm.answers.replay import AbsentVLM, replayed
-from pix2pred.vlm.control.breaker import BreakerVLM
-from pix2pred.vlm.control.budget import BudgetVLM
+from pix2pred.vlm.answers.replay import REPLAY
 from pix2pred.vlm.control.estimate import EstimatingVLM
-from pix2pred.vlm.control.flow import FlowVLM
-from pix2pred.vlm.model_spec import HostedModel, ModelNameError, hosted_model
+from pix2pred.vlm.hosted.anthropic import Anthropic
+from pix2pred.vlm.hosted.google import Google
+from pix2pred.vlm.hosted.openai import OpenAI
+from pix2pred.vlm.hosted.openai_compatible import OpenAICompatible
+from pix2pred.vlm.hosted.provider import Provider
+from pix2pred.vlm.hosted.spec import kind_of
+from pix2pred.vlm.mailbox import MAILBOX
+from pix2pred.vlm.model_spec import Kind, MadeSpec, ModelSpec, Setup, Spending, read_model
+from pix2pred.vlm.offline.spec import OFFLINE
 
 if TYPE_CHECKING:  # slow to import, and not needed by every verb
     from pix2pred.approaches.approach import Approach
@@ -71,8 +75,18 @@ _APPROACHES = {
 }
 """The approaches of method 9: objects that implement ``Approach``; group ``pix2pred.approaches``."""
 
-_MODELS: dict[str, str] = {}
-"""Functions of what follows ``KIND:`` in ``--vlm KIND:...`` that give a ``VLM``; group ``pix2pred.models``."""
+_PROVIDERS: tuple[Provider, ...] = (OpenAI(), Google(), Anthropic(), OpenAICompatible())
+"""Providers of hosted models; group ``pix2pred.providers`` for classes without required arguments."""
+
+_KINDS: dict[str, Kind] = {
+    "offline": OFFLINE,
+    **{p.name: kind_of(p) for p in _PROVIDERS},
+    "replay": REPLAY,
+    "mailbox": MAILBOX,
+}
+"""Kinds of models; group ``pix2pred.models`` for functions of what follows ``KIND:`` that give a ``VLM``."""
+MODEL_FORMS = ", ".join(kind.form for kind in _KINDS.values())
+"""How the models that come along are written, for help texts."""
 
 HEURISTICS: dict[str, Callable[[Strips], Heuristic]] = {
     "lmcut": landmark_cut,
@@ -103,14 +117,6 @@ Searches of other packages, callables from a ground task to a ``SearchResult``, 
 
 class RegistryError(Pix2predError, ValueError):
     """A name that cannot be turned into what is asked for; the message says what would work."""
-
-
-@dataclass(frozen=True, slots=True)
-class Spending:
-    """What a run may spend on a hosted model: requests sent, and US dollars."""
-
-    max_requests: int | None = None
-    max_cost: float | None = None
 
 
 NO_LIMITS = Spending()
@@ -157,27 +163,20 @@ class Registry:
         heuristics = (*HEURISTICS, *_named("heuristics", {}))
         return (*(f"{search}-{h}" for search in SEARCHES for h in heuristics), *PORTFOLIOS, *_named("searches", {}))
 
+    def providers(self) -> tuple[Provider, ...]:
+        """All providers of hosted models."""
+        return (*_PROVIDERS, *(_load(target)() for target in _named("providers", {}).values()))
+
+    def model_spec(self, text: str) -> ModelSpec:
+        """The model that ``--vlm`` names. Raises ``ModelNameError`` with the forms there are."""
+        others = {kind: Kind(f"{kind}:...", MadeSpec.by(_load(made))) for kind, made in _named("models", {}).items()}
+        return read_model(text, others | {p.name: kind_of(p) for p in self.providers()} | _KINDS)
+
     def vlm(
         self, spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, limits: Spending = NO_LIMITS
     ) -> VLM:
         """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
-        kind, _, rest = spec.partition(":")
-        others = _named("models", _MODELS)
-        if kind in others:
-            made: VLM = _load(others[kind])(rest)
-            return made
-        if spec == "offline":
-            return self._offline(domain)
-        if kind == "mailbox" and rest:
-            from pix2pred.vlm.mailbox import MailboxVLM
-
-            return MailboxVLM(Path(rest), ShownPictures())
-        from pix2pred.vlm.hosted.client import HostedVLM
-
-        hosted = HostedVLM(_hosted(spec), ShownPictures(), flow.timeout)
-        flowing = FlowVLM(BudgetVLM(hosted, limits.max_requests, limits.max_cost), flow)
-        hosted.hold = flowing.hold
-        return BreakerVLM(flowing, flow.unusable_in_a_row)
+        return self.model_spec(spec).connect(self._setup(domain, flow, limits))
 
     def stored(
         self,
@@ -189,21 +188,21 @@ class Registry:
         limits: Spending = NO_LIMITS,
     ) -> StoredVLM:
         """The model that ``--vlm`` names, behind an answer store. ``replay:DIR`` brings its own store."""
-        kind, _, rest = spec.partition(":")
-        if kind == "replay" and rest:
-            folder = AnswerStore(Path(rest))
-            return StoredVLM(replayed(folder), folder, StoreMode.REPLAY)
-        if mode == StoreMode.REPLAY and kind not in ("offline", "mailbox", *_named("models", _MODELS)):
-            return StoredVLM(AbsentVLM(_hosted(spec).name), store, mode)  # needs neither key nor network
-        return StoredVLM(self.vlm(spec, domain, flow, limits), store, mode)
+        model, setup = self.model_spec(spec), self._setup(domain, flow, limits)
+        if model.own_answers is not None:
+            return StoredVLM(model.connect(setup), AnswerStore(model.own_answers), StoreMode.REPLAY)
+        return StoredVLM((model.by_name if mode == StoreMode.REPLAY else model.connect)(setup), store, mode)
 
-    def estimator(self, spec: str, domain: str | None, store: AnswerStore) -> EstimatingVLM:
+    def estimator(
+        self, spec: str, domain: str | None, store: AnswerStore, flow: FlowSettings = _DEFAULT_FLOW
+    ) -> EstimatingVLM:
         """What counts the questions that ``spec`` would be asked, for which neither key nor network is needed."""
-        kind, _, rest = spec.partition(":")
         stored = self.stored(spec, domain, store, StoreMode.REPLAY)
-        if kind in ("offline", "replay", "mailbox", *_named("models", _MODELS)):
-            return EstimatingVLM(stored, "", "")
-        return EstimatingVLM(stored, kind, rest.partition("@http")[0])
+        return EstimatingVLM(stored, self.model_spec(spec).rates, flow.thinking)
+
+    def _setup(self, domain: str | None, flow: FlowSettings, limits: Spending) -> Setup:
+        reader = self.domain(domain).reader if domain else None
+        return Setup(ShownPictures(), flow, limits, domain or "", reader)
 
     def truth(self, domain: Domain, environment: Environment) -> TruthOf | None:
         """What ``domain`` knows about words in the environment's present state, to name failures with."""
@@ -223,17 +222,6 @@ class Registry:
             return None if holds is None else holds != word.negated
 
         return truth
-
-    def _offline(self, domain: str | None) -> VLM:
-        reader = self.domain(domain).reader if domain else None
-        if reader is None:
-            raise RegistryError(
-                "the offline reader knows only the bundled domains; name a model with --vlm for your data"
-            )
-        from pix2pred.vlm.offline.model import ReaderModel
-        from pix2pred.vlm.offline.reader import OfflineReader
-
-        return OfflineReader(str(domain), ReaderModel.load(reader))
 
 
 REGISTRY = Registry()
@@ -263,13 +251,6 @@ def _find(kind: str, name: str, table: dict[str, str]) -> Any:
 def _load(target: str) -> Any:
     module, _, attribute = target.partition(":")
     return getattr(import_module(module), attribute)
-
-
-def _hosted(spec: str) -> HostedModel:
-    try:
-        return hosted_model(spec)
-    except ModelNameError as error:
-        raise RegistryError(str(error)) from error
 
 
 @cache

@@ -308,14 +308,17 @@ def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
     import traceback
 
     from pix2pred.images import ShownPictures
-    from pix2pred.vlm import Request, VLMError
+    from pix2pred.vlm import FlowSettings, Request, VLMError
     from pix2pred.vlm.hosted.client import HostedVLM
-    from pix2pred.vlm.model_spec import hosted_model
+    from pix2pred.vlm.hosted.openai_compatible import OpenAICompatible
+    from pix2pred.vlm.hosted.spec import hosted_model
 
     monkeypatch.setenv("PIX2PRED_API_KEY", KEY)
     caplog.set_level(logging.DEBUG)
     with FaultServer(rates).running() as server:
-        vlm = HostedVLM(hosted_model(model(server)), ShownPictures(), 0.8)
+        vlm = HostedVLM(
+            hosted_model(OpenAICompatible(), f"tiny@{server.url}"), ShownPictures(), FlowSettings(timeout=0.8)
+        )
         if not rates:
             vlm.answer(Request(Purpose.LABEL, ("x",), 10))
         else:
@@ -433,7 +436,8 @@ def test_a_mailbox_is_answered_in_any_order_and_returns_what_it_cannot_read(
     ran = cli("learn", lamps, "--vlm", f"mailbox:{box}", "--out", tmp_path / "run")
     done.set()
     assert ran.code == 0, ran.err
-    assert sorted(p.name for p in box.iterdir()) == ["README.md", "answered"]
+    assert sorted(p.name for p in box.iterdir()) == ["OPEN.md", "README.md", "answered"]
+    assert (box / "OPEN.md").read_text().startswith("# 0 questions wait; 24 were answered")
     answered = list((box / "answered").iterdir())
     assert len(answered) == 24
     returned = [p for p in answered if (p / "answer-returned-1.txt").exists()]

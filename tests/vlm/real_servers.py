@@ -17,9 +17,10 @@ import numpy as np
 from pix2pred.images import ShownPictures
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import Purpose, Request
+from pix2pred.vlm import FlowSettings, Purpose, Request
 from pix2pred.vlm.hosted.client import HostedVLM
-from pix2pred.vlm.model_spec import hosted_model
+from pix2pred.vlm.hosted.openai_compatible import OpenAICompatible
+from pix2pred.vlm.hosted.spec import hosted_model
 
 QUIET = os.environ | {"OMP_NUM_THREADS": "1", "HF_HUB_OFFLINE": "1"}
 
@@ -54,7 +55,7 @@ def _wait(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
 
 def ask(url: str, model: str = "tiny") -> HostedVLM:
     """The model behind a server."""
-    return HostedVLM(hosted_model(f"openai-compatible:{model}@{url}"), ShownPictures(), 120.0)
+    return HostedVLM(hosted_model(OpenAICompatible(), f"{model}@{url}"), ShownPictures(), FlowSettings(timeout=120.0))
 
 
 def view(shade: int, t: int) -> View:

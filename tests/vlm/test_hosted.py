@@ -15,13 +15,20 @@ import pytest
 
 from extras import need
 from pix2pred.images import ShownPictures, draw_view
+from pix2pred.registry import REGISTRY
 from pix2pred.structs import Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import Finish, NoAnswerError, Purpose, Request, VLMError
+from pix2pred.vlm import Finish, FlowSettings, NoAnswerError, Purpose, Request, VLMError
 from pix2pred.vlm.control.flow import TransientError
+from pix2pred.vlm.hosted.anthropic import Anthropic
 from pix2pred.vlm.hosted.client import HostedVLM, _tokens
+from pix2pred.vlm.hosted.google import Google
+from pix2pred.vlm.hosted.openai import OpenAI
+from pix2pred.vlm.hosted.openai_compatible import OpenAICompatible
 from pix2pred.vlm.hosted.pricing import dollars
-from pix2pred.vlm.model_spec import ModelNameError, hosted_model
+from pix2pred.vlm.hosted.provider import Provider
+from pix2pred.vlm.hosted.spec import HostedSpec, hosted_model
+from pix2pred.vlm.model_spec import ModelNameError
 from vlm.fault_server import FaultServer, _send, pictures, text
 
 VIEWS = [
@@ -43,8 +50,10 @@ def server() -> Iterator[FaultServer]:
         yield running
 
 
-def hosted(server: FaultServer, timeout: float = 5.0) -> HostedVLM:
-    return HostedVLM(hosted_model(f"openai-compatible:tiny@{server.url}"), ShownPictures(), timeout)
+def hosted(server: FaultServer, timeout: float = 60.0) -> HostedVLM:
+    return HostedVLM(
+        hosted_model(OpenAICompatible(), f"tiny@{server.url}"), ShownPictures(), FlowSettings(timeout=timeout)
+    )
 
 
 def test_text_and_pictures_go_in_order_losslessly_with_headings_and_settings(server: FaultServer) -> None:
@@ -171,13 +180,26 @@ def refusing(status: int, message: str) -> FaultServer:
 
 
 def test_names_of_models() -> None:
-    model = hosted_model("openai-compatible:org/qwen2.5-vl:7b@http://localhost:8000/v1/")
+    model = hosted_model(OpenAICompatible(), "org/qwen2.5-vl:7b@http://localhost:8000/v1/")
     assert (model.model, model.url) == ("org/qwen2.5-vl:7b", "http://localhost:8000/v1")
     assert "localhost" not in model.name
-    assert hosted_model("google:gemini-2.0-flash").name == "google:gemini-2.0-flash"
-    for bad in ("", "gpt-4o", "openai:", "openai-compatible:x", "openai-compatible:x@ftp://y", "mailbox:", "azure:x"):
-        with pytest.raises(ModelNameError):
-            hosted_model(bad)
+    spec = REGISTRY.model_spec("google:gemini-2.0-flash")
+    assert isinstance(spec, HostedSpec) and spec.model.name == "google:gemini-2.0-flash"
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        "", "gpt-4o", "openai:", "openai-compatible:x", "openai-compatible:x@ftp://y", "mailbox:", "azure:x",
+        "offline:x", "openai-compatible:x@http://y:port/v1", "openai-compatible:x@http://y:99999/v1",
+        "openai-compatible:x@http://[::1/v1", "openai-compatible:x@http://y\x1b[31m/v1", "openai:gpt\n4",
+        "openai-compatible:x@http://exa\u2100mple/v1", "openai-compatible:x@http://", "openai-compatible:x@http://a b/",
+    ],
+)  # fmt: skip
+def test_what_names_no_model_is_told_in_plain_characters(bad: str) -> None:
+    with pytest.raises(ModelNameError) as caught:
+        REGISTRY.model_spec(bad)
+    assert str(caught.value).isprintable()
 
 
 def test_prices_are_known_for_known_models_alone() -> None:
@@ -194,16 +216,16 @@ def test_tokens_that_do_not_make_up_the_text_are_not_believed() -> None:
 @pytest.mark.parametrize(
     "provider",
     [
-        "openai",
-        pytest.param("anthropic", marks=need("anthropic", extra="anthropic")),
-        pytest.param("google", marks=need("google.genai", extra="google")),
+        OpenAI(),
+        pytest.param(Anthropic(), marks=need("anthropic", extra="anthropic")),
+        pytest.param(Google(), marks=need("google.genai", extra="google")),
     ],
 )
-def test_clients_of_all_providers_can_be_made(provider: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_clients_of_all_providers_can_be_made(provider: Provider, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY"):
         monkeypatch.setenv(name, "sk-not-a-key-000000")
-    vlm = HostedVLM(hosted_model(f"{provider}:some-model"), ShownPictures(), 5.0)
-    assert vlm.name == f"{provider}:some-model" and "sk-not" not in repr(vars(vlm).keys())
+    vlm = HostedVLM(hosted_model(provider, "some-model"), ShownPictures(), FlowSettings(timeout=5.0))
+    assert vlm.name == f"{provider.name}:some-model" and "sk-not" not in repr(vars(vlm).keys())
 
 
 def test_naming_a_model_loads_no_client_library() -> None:

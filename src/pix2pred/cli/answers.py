@@ -9,18 +9,17 @@ from cyclopts import App, Parameter
 from rich.markup import escape
 from rich.table import Table
 
-from pix2pred.cli.console import counted, err, out, plain, print_json
-from pix2pred.registry import RegistryError
+from pix2pred.cli.console import UsageError, counted, err, out, plain, print_json
 from pix2pred.vlm import AnswerStore
 from pix2pred.vlm.answers.inspection import export as export_answers
-from pix2pred.vlm.answers.inspection import find, problems, read_stored
+from pix2pred.vlm.answers.inspection import find, problems, read_all
 
 answers = App(name="answers")
 
 
 def _store(directory: Path) -> AnswerStore:
     if not (directory / "answers").is_dir():
-        raise RegistryError(f"{directory}: holds no answers (no folder 'answers' in it)")
+        raise UsageError(f"{directory}: holds no answers (no folder 'answers' in it)")
     return AnswerStore(directory)
 
 
@@ -41,12 +40,6 @@ def list_answers(
     - `pix2pred answers list runs/stacks --purpose label`
     """
     store = _store(directory)
-    entries = [read_stored(store, key) for key in store.all_keys()]
-    chosen = [
-        e
-        for e in entries
-        if model in (None, e.model) and purpose in (None, e.purpose) and finish in (None, e.answer.finish.value)
-    ]
     rows = [
         {
             "key": e.key,
@@ -57,7 +50,8 @@ def list_answers(
             "tokens": [e.answer.spent.input_tokens, e.answer.spent.output_tokens],
             "begins": " ".join(e.answer.text.split())[:60],
         }
-        for e in chosen
+        for e in read_all(store)
+        if model in (None, e.model) and purpose in (None, e.purpose) and finish in (None, e.answer.finish.value)
     ]
     if json:
         print_json({"answers": rows})
@@ -83,10 +77,10 @@ def show(directory: Path, key: str, /) -> int:
     """
     store = _store(directory)
     entry = find(store, key)
-    asked = {name: entry.request[name] for name in ("temperature", "max_tokens", "sample", "attempt")}
+    asked = {name: entry.request.get(name) for name in ("temperature", "max_tokens", "sample", "attempt")}
     out.print(plain(f"{entry.purpose} query of {entry.model}, {asked}"), markup=False)
     for part in entry.request["parts"]:
-        shown = part if isinstance(part, str) else f"[{part['heading'] or 'picture'}: {store.blob(part['pixels'])}]"
+        shown = part if isinstance(part, str) else f"[{part.get('heading') or 'picture'}: {store.blob(part['pixels'])}]"
         out.print(plain(f"\n{shown}"), markup=False, soft_wrap=True)
     answer = plain(entry.answer.text)
     out.print(f"\n--- answer ({entry.answer.finish.value}) ---\n{answer}", markup=False, soft_wrap=True)
@@ -108,6 +102,8 @@ def export(
     - `pix2pred answers export runs/stacks --out answers.zip`
     """
     store = _store(directory)
+    if not out_file.name or out_file.is_dir():
+        raise UsageError(f"--out {str(out_file)!r}: is no name of a file to write")
     count = export_answers(store, out_file, model)
     err.print(f"{count} answers in {out_file}", markup=False)
     return 0

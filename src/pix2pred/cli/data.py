@@ -19,12 +19,11 @@ from pix2pred.demos import (
     write_project,
     write_schemas,
 )
-from pix2pred.registry import Registry, check_family
+from pix2pred.registry import MODEL_FORMS, Registry, check_family
 from pix2pred.settings import SettingsError
 from pix2pred.structs.environment import asking_settings
 from pix2pred.system.progress import Stage
 from pix2pred.vlm import AnswerStore
-from pix2pred.vlm.model_spec import FORMS
 
 EXAMPLE_MODEL = "openai:gpt-4o"
 """Whose prices are shown where nobody has said which model it will be."""
@@ -79,7 +78,8 @@ def check(
     /,
     *,
     vlm: Annotated[
-        str | None, Parameter(help=f"Model to reckon the cost with [default: offline or {EXAMPLE_MODEL}]: {FORMS}.")
+        str | None,
+        Parameter(help=f"Model to reckon the cost with [default: offline or {EXAMPLE_MODEL}]: {MODEL_FORMS}."),
     ] = None,
     cost: Annotated[
         bool, Parameter(help="Reckon what learning would ask and cost; nothing is sent.", negative="--no-cost")

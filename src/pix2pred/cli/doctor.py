@@ -7,20 +7,22 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 from cyclopts import Parameter
 
 from pix2pred import __version__
-from pix2pred.cli.console import out, print_json
+from pix2pred.cli.console import out, plain, print_json
 from pix2pred.images import ShownPictures
-from pix2pred.registry import RegistryError, load_domain, load_vlm
+from pix2pred.registry import REGISTRY, load_domain
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
-from pix2pred.vlm import Finish, FlowSettings, Purpose, Request, VLMError
-from pix2pred.vlm.hosted.client import key_of_provider
-from pix2pred.vlm.model_spec import KEY_VARIABLES
+from pix2pred.system.errors import Pix2predError
+from pix2pred.vlm import AnswerStore, FlowSettings
+from pix2pred.vlm.answers.replay import replayed
+from pix2pred.vlm.checkup import check
 
 _PACKAGES = {
     "core": ("pydantic-ai-slim", "openai", "genai-prices", "numpy", "pillow", "scikit-learn"),
@@ -44,7 +46,7 @@ class Finding:
 def doctor(
     *,
     vlm: Annotated[
-        str | None, Parameter(help="Also ask this model about two pictures; a paid model costs a bit.")
+        str | None, Parameter(help="Also ask this model at most six questions; a paid model costs a few cents.")
     ] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
 ) -> int:
@@ -54,7 +56,7 @@ def doctor(
 
     - `pix2pred doctor --vlm openai:gpt-4o`
     """
-    findings = [*_installed(), *_keys(), _rendering(), *([_model(vlm)] if vlm else [])]
+    findings = [*_installed(), *_keys(), _rendering(), *(_model(vlm) if vlm else ())]
     if json:
         print_json({"findings": [{"what": f.what, "ok": f.ok, "detail": f.detail} for f in findings]})
     else:
@@ -77,9 +79,10 @@ def _installed() -> Iterator[Finding]:
 
 
 def _keys() -> Iterator[Finding]:
-    for provider, names in KEY_VARIABLES.items():
-        has = key_of_provider(provider) is not None
-        yield Finding(f"key for {provider}", True if has else None, "is set" if has else f"set {' or '.join(names)}")
+    for provider in REGISTRY.providers():
+        has = provider.key() is not None
+        what = "is set" if has else f"set {provider.keys_in_words}"
+        yield Finding(f"key for {provider.name}", True if has else None, what)
 
 
 def _rendering() -> Finding:
@@ -92,22 +95,45 @@ def _rendering() -> Finding:
     return Finding("rendering", True, f"a burger scene with marks and heading, {size} bytes of PNG")
 
 
-def _model(spec: str) -> Finding:
-    views = [View(_square(color, name), t, heading=f"state {t}") for t, (color, name) in enumerate(_SQUARES)]
-    text = "Below are two pictures. Say in one short sentence which colour the square has in each."
-    request = Request(Purpose.DOCTOR, (text, *views), 300)
-    flow = FlowSettings(tries=3, timeout=60.0, longest_pause=3.0)
+def _model(spec: str) -> Iterator[Finding]:
+    """What a few cheap questions to the model find out. A mailbox is looked at and asked nothing: a person answers."""
+    flow = FlowSettings(tries=3, timeout=60.0, longest_pause=3.0, max_wait=60.0)
     try:
-        answer = load_vlm(spec, None, flow).answer(request)
-    except (VLMError, RegistryError) as error:
-        return Finding(spec, False, str(error))
-    said = " ".join(answer.text.split())[:160]
-    took = f"{answer.spent.seconds:.1f} s, {answer.spent.input_tokens} + {answer.spent.output_tokens} tokens"
-    if answer.finish == Finish.REFUSED or not said:
-        return Finding(
-            spec, False, f"answered two pictures with nothing of use ({answer.finish.value}: {said!r}; {took})"
-        )
-    return Finding(spec, True, f"answers two pictures (red, then blue): {said!r} ({took})")
+        named = REGISTRY.model_spec(spec)
+        if named.waits_in is not None:
+            yield Finding(spec, *_mailbox(named.waits_in))
+            return
+        if named.own_answers is not None:
+            yield Finding(spec, *_replay(named.own_answers))
+            return
+        model = REGISTRY.vlm(spec, None, flow)
+    except Pix2predError as error:
+        yield Finding(spec, False, plain(str(error)))
+        return
+    views = [View(_square(color, name), t, heading=f"state {t}") for t, (color, name) in enumerate(_SQUARES)]
+    traits = list(check(model, views))
+    for trait in traits:
+        yield Finding(spec if trait.what == "answers" else f"  {trait.what}", trait.ok, plain(trait.detail))
+    if settings := [trait.setting for trait in traits if trait.setting]:
+        yield Finding("  settings that follow", None, "; ".join(settings))
+
+
+def _mailbox(folder: Path) -> tuple[bool, str]:
+    """Whether questions can be put into the folder, and how many wait there."""
+    if folder.exists() and not folder.is_dir():
+        return False, f"{folder} is a file, not a folder"
+    waiting = len(list(folder.glob("*/request.json"))) if folder.is_dir() else 0
+    there = f"{waiting} questions wait in it" if folder.is_dir() else "the folder will be made"
+    return True, f"a person answers here, so nothing was asked; {there}"
+
+
+def _replay(folder: Path) -> tuple[bool, str]:
+    """Which model's answers the folder holds."""
+    if not folder.is_dir():
+        return False, f"there is no folder {folder}; name a run folder, or an unpacked copy of its answers"
+    store = AnswerStore(folder)
+    name = replayed(store).name
+    return True, f"{len(store.all_keys())} answers of {plain(name)}; nothing was asked"
 
 
 _SQUARES = (((200, 30, 30), "red"), ((30, 30, 200), "blue"))

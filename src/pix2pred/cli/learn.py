@@ -13,15 +13,18 @@ from pix2pred.cli.ranges import DOLLARS, NOT_NEGATIVE, WORKERS, between, output_
 from pix2pred.demos import Project, project_digest, read_project
 from pix2pred.demos.join import join_projects
 from pix2pred.pipeline import LearningProblem, ask
-from pix2pred.registry import NO_LIMITS, Registry, Spending
+from pix2pred.registry import MODEL_FORMS, NO_LIMITS, Registry
 from pix2pred.report import REPORT, write_report
 from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import CONFIG
 from pix2pred.runs.learn import learn_into, relearn, run_config
 from pix2pred.settings import Layer, Settings, as_begun, of_file, of_kind, of_options, of_project, resolve
+from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import AnswerStore, StoreMode
-from pix2pred.vlm.model_spec import FORMS
+from pix2pred.vlm.control.estimate import EstimatingVLM
+from pix2pred.vlm.control.guard import Expected
+from pix2pred.vlm.model_spec import Spending
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +41,9 @@ class Asking:
 class AskingOptions:
     """Options of ``learn`` about asking the model; None stands for one not given."""
 
-    vlm: Annotated[str | None, Parameter(help=f"Model that proposes and labels: {FORMS} [default: offline].")] = None
+    vlm: Annotated[str | None, Parameter(help=f"Model that proposes and labels: {MODEL_FORMS} [default: offline].")] = (
+        None
+    )
     answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None
     mode: Annotated[
         StoreMode | None,
@@ -51,6 +56,10 @@ class AskingOptions:
         int | None, Parameter(help="Samples per labelling query; the majority decides.", validator=between(1, 99))
     ] = None
     concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=WORKERS)] = None
+    max_wait: Annotated[
+        float | None,
+        Parameter(help="Seconds to wait at most when a server says so [default: 600].", validator=between(0, 86_400)),
+    ] = None
     longest_side: Annotated[
         int | None,
         Parameter(
@@ -76,6 +85,7 @@ class AskingOptions:
             {
                 ("labels", "votes"): self.votes,
                 ("flow", "concurrent"): self.concurrent,
+                ("flow", "max_wait"): self.max_wait,
                 ("labels", "longest_side"): self.longest_side,
                 ("proposal", "longest_side"): self.longest_side,
             }
@@ -144,7 +154,8 @@ def run_learning(
     domain = (project.simulator or {}).get("domain")
     store = AnswerStore(asking.answers or out)
     store.check()
-    model = registry.stored(asking.vlm, domain, store, asking.mode, settings.flow, asking.limits)
+    limits = replace(asking.limits, estimate=lambda: _expected(registry, project, settings, asking.vlm, store))
+    model = registry.stored(asking.vlm, domain, store, asking.mode, settings.flow, limits)
     with RunFolder(out).locked() as run:
         problem = LearningProblem(project.vocabulary, project.demos, model, settings)
         digest = project_digest(project)
@@ -191,6 +202,21 @@ def project_settings(project: Project, *layers: Layer) -> Settings:
 
 def estimated(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> dict[str, Any]:
     """What a run would ask, by stage and in all."""
-    estimator = registry.estimator(vlm, (project.simulator or {}).get("domain"), store)
+    return _estimator(registry, project, settings, vlm, store).as_dict()
+
+
+def _expected(
+    registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore
+) -> Expected | None:
+    """What is still to be asked; ``None`` where a dry run ends with an error, which the run will meet itself."""
+    try:
+        return _estimator(registry, project, settings, vlm, store).expected()
+    except Pix2predError:
+        return None
+
+
+def _estimator(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> EstimatingVLM:
+    """What has counted every question that is not stored."""
+    estimator = registry.estimator(vlm, (project.simulator or {}).get("domain"), store, settings.flow)
     ask(LearningProblem(project.vocabulary, project.demos, estimator, settings))
-    return estimator.as_dict()
+    return estimator

@@ -29,6 +29,8 @@ def proposed_pool(
     labels: LabelSettings,
     together: Together,
     progress: Progress = silent,
+    *,
+    max_pictures: int | None = None,
 ) -> tuple[tuple[Candidate, ...], tuple[Proposal, ...]]:
     """The candidates that a model proposes, and its proposals; names of ``initial`` predicates are not used again.
 
@@ -39,5 +41,5 @@ def proposed_pool(
     if labels.protocol is LabelProtocol.FRUGAL and proposal.variant == "diverse":
         words = propose_words(demos, vlm, proposal, progress=progress)
         return lift_words(words, taken), words
-    proposals = propose(demos, vlm, proposal, together=together, progress=progress)
+    proposals = propose(demos, vlm, proposal, together=together, max_pictures=max_pictures, progress=progress)
     return lift(proposals, taken), proposals

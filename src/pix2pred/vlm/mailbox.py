@@ -1,7 +1,9 @@
 """A mailbox: questions as folders, answered by hand or by a model behind a chat window.
 
     DIR/README.md                      how to answer
+    DIR/OPEN.md                        what waits, and how many were answered
     DIR/demo-0-state-1-label-1f3a9c20/ one question: prompt.md, 01.png, 02.png, ..., request.json
+        form.txt                       for labels: every atom with the value it had before, to correct and rename
         answer.txt                     the answer, put there by a person
         problem.md                     what was wrong with an answer; that answer is now answer-returned-1.txt
     DIR/answered/                      questions whose answer was taken
@@ -17,11 +19,13 @@ import os
 import re
 import shutil
 import threading
+from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.system.files import write_whole
-from pix2pred.vlm.hosted.client import Draw
-from pix2pred.vlm.request import Answer, NoAnswerError, Request, VLMError
+from pix2pred.vlm.model_spec import Draw, Kind, ModelSpec, Setup
+from pix2pred.vlm.offline.prompt_format import asked_atoms, previous_values
+from pix2pred.vlm.request import VLM, Answer, NoAnswerError, Purpose, Request, VLMError
 
 ANSWERED = "answered"
 _README = """# Questions waiting for an answer
@@ -30,13 +34,33 @@ Every folder here is one question. To answer it:
 
 1. Open `prompt.md`. It says everything, and shows the pictures `01.png`, `02.png`, ... in their order. To ask a model
    in a chat window, give it the pictures in this order and the text of `prompt.md`.
-2. Write the answer into a file `answer.txt` in the same folder, in the form the question asks for.
+2. Write the answer into a file `answer.txt` in the same folder, in the form the question asks for. For labels,
+   `form.txt` has a line for every atom, with the value it had before: look at the pictures, change what changed, write
+   True, False or Unknown for every `?`, and rename the file to `answer.txt`.
    Write it under another name and rename it, or simply save it: it is read once it has stopped changing.
 3. If the folder stays and a file `problem.md` appears, it says what was wrong; write `answer.txt` anew.
 
-Answered folders move to `answered/`. New questions appear as answers come in, because a question about a state holds
-the answer about the state before. You can stop the program (Ctrl-C) and run the same command again days later.
+`OPEN.md` lists what waits. Answered folders move to `answered/`. New questions appear as answers come in, because a
+question about a state holds the answer about the state before. You can stop the program (Ctrl-C) and run the same
+command again days later.
 """
+
+
+@dataclass(frozen=True, slots=True)
+class MailboxSpec(ModelSpec):
+    """A person, or whoever answers through a folder."""
+
+    directory: Path
+
+    def connect(self, setup: Setup) -> VLM:
+        return MailboxVLM(self.directory, setup.draw)
+
+    @property
+    def waits_in(self) -> Path:
+        return self.directory
+
+
+MAILBOX = Kind("mailbox:DIR", lambda rest: MailboxSpec(Path(rest)))
 
 
 class MailboxVLM:
@@ -48,6 +72,7 @@ class MailboxVLM:
         self._draw = draw
         self._poll = poll
         self._stopped = threading.Event()
+        self._listing = threading.Lock()
 
     def answer(self, request: Request) -> Answer:
         """Wait for the answer, however long it takes. Raises ``VLMError`` when the folder cannot be used."""
@@ -85,6 +110,8 @@ class MailboxVLM:
                 (part / picture).write_bytes(self._draw(item))
                 lines.append(f"![{item.heading or picture}]({picture})")
             (part / "prompt.md").write_text("\n\n".join(lines) + "\n", encoding="utf-8")
+            if form := _form(request):
+                (part / "form.txt").write_text(form, encoding="utf-8")
             document: dict[str, object] = {
                 "key": request.key(self.name),
                 "about": request.about,
@@ -94,7 +121,17 @@ class MailboxVLM:
             (part / "request.json").write_text(json.dumps(document, indent=1), encoding="utf-8")
             shutil.rmtree(folder, ignore_errors=True)  # without request.json it is not a question
             part.rename(folder)
+        self._tell_what_is_open()
         return folder
+
+    def _tell_what_is_open(self) -> None:
+        """Bring the list of what waits up to date."""
+        with self._listing:
+            waiting = sorted(p.parent.name for p in self._directory.glob("*/request.json"))
+            answered = sum(1 for _ in (self._directory / ANSWERED).glob("*/request.json"))
+            lines = "".join(f"- [{name}]({name}/prompt.md)\n" for name in waiting)
+            text = f"# {len(waiting)} questions wait; {answered} were answered\n\n{lines}"
+            write_whole(self._directory / "OPEN.md", text.encode())
 
     def _wait(self, folder: Path, request: Request) -> str:
         path, seen = folder / "answer.txt", None
@@ -127,6 +164,15 @@ class MailboxVLM:
         target.parent.mkdir(exist_ok=True)
         shutil.rmtree(target, ignore_errors=True)
         folder.rename(target)
+        self._tell_what_is_open()
+
+
+def _form(request: Request) -> str:
+    """Lines to fill in for a question about labels: its atoms with the values before, ``?`` where none is known."""
+    if request.purpose not in (Purpose.LABEL, Purpose.DOUBLE_CHECK):
+        return ""
+    before = previous_values(request.text)
+    return "".join(f"* {atom}: {before.get(str(atom), '?')}\n" for atom in asked_atoms(request.text))
 
 
 def _folder_name(request: Request, model: str) -> str:

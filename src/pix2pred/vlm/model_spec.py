@@ -1,21 +1,26 @@
-"""The names of models on the command line: ``openai:gpt-4o``, ``openai-compatible:MODEL@URL``, ``mailbox:DIR``."""
+"""What ``--vlm`` names, read once: a kind of model before the colon, and what the kind makes of the rest.
+
+A kind is one file with a subclass of ``ModelSpec``, and one line in the registry.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from urllib.parse import urlsplit
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
 
+from pix2pred.structs.views import View
 from pix2pred.system.errors import Pix2predError
+from pix2pred.vlm.control.flow import FlowSettings
+from pix2pred.vlm.control.guard import Estimate
+from pix2pred.vlm.request import VLM
 
-KEY_VARIABLES = {
-    "openai": ("OPENAI_API_KEY",),
-    "google": ("GOOGLE_API_KEY", "GEMINI_API_KEY"),
-    "anthropic": ("ANTHROPIC_API_KEY",),
-    "openai-compatible": ("PIX2PRED_API_KEY",),
-}
-"""Environment variables that hold a provider's key, the first that is set; keys come from nowhere else."""
-
-FORMS = "offline, openai:MODEL, google:MODEL, anthropic:MODEL, openai-compatible:MODEL@URL, replay:DIR, mailbox:DIR"
+Draw = Callable[[View], bytes]
+"""The PNG file of a view."""
+_LONGEST_SHOWN = 200
+"""Characters of a name that nobody knows, in a message about it."""
 
 
 class ModelNameError(Pix2predError, ValueError):
@@ -23,43 +28,116 @@ class ModelNameError(Pix2predError, ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class HostedModel:
-    """A model behind HTTP. ``url`` is empty for the providers that have one address."""
+class Spending:
+    """What a run may spend on a hosted model: requests, and US dollars.
 
-    provider: str
-    model: str
-    url: str = ""
+    ``estimate`` is a dry run, beyond a multiple of which the run stops. Raises ``ModelNameError`` for no amount.
+    """
+
+    max_requests: int | None = None
+    max_cost: float | None = None
+    estimate: Estimate | None = None
+
+    def __post_init__(self) -> None:
+        if self.max_cost is not None and not 0 <= self.max_cost < float("inf"):
+            raise ModelNameError(f"--max-cost {self.max_cost}: is no number of dollars that could be reached")
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What a model is made with: how pictures are drawn, how to ask, what may be spent, and the run's domain.
+
+    ``reader`` is the folder of the offline reader of ``domain``, where it has one.
+    """
+
+    draw: Draw
+    flow: FlowSettings = field(default_factory=FlowSettings)
+    spending: Spending = field(default_factory=Spending)
+    domain: str = ""
+    reader: Path | None = None
+
+
+class Rates(Protocol):
+    """What questions to a model count and cost, for estimates."""
+
+    def picture_tokens(self, width: int, height: int) -> int:
+        """Input tokens of a picture of ``width`` x ``height`` pixels."""
+        ...
+
+    def thinking_tokens(self) -> int:
+        """Tokens the model may think about one question before it speaks."""
+        ...
+
+    def dollars(self, input_tokens: int, output_tokens: int) -> float | None:
+        """US dollars; ``None`` where the price is not known."""
+        ...
+
+
+class ModelSpec(ABC):
+    """A model that can be named: how to reach it, and what is known of it without asking it."""
+
+    @abstractmethod
+    def connect(self, setup: Setup) -> VLM:
+        """The model, ready to be asked. Raises ``VLMError`` or ``ModelNameError`` when it cannot be reached."""
+
+    def by_name(self, setup: Setup) -> VLM:
+        """The model for a replay of its answers, which needs neither key nor network."""
+        return self.connect(setup)
 
     @property
-    def name(self) -> str:
-        """What stands in stored answers: no address, so that a store replays wherever the model is served from."""
-        return f"{self.provider}:{self.model}"
+    def own_answers(self) -> Path | None:
+        """The store that takes the model's place, for a model that is nothing else."""
+        return None
+
+    @property
+    def waits_in(self) -> Path | None:
+        """The folder in which questions wait for a person, for a model that is one."""
+        return None
+
+    @property
+    def rates(self) -> Rates | None:
+        """What its questions cost; ``None`` for what costs nothing."""
+        return None
 
 
-def hosted_model(spec: str) -> HostedModel:
-    """Read ``PROVIDER:MODEL`` or ``openai-compatible:MODEL@URL``. Raises ``ModelNameError``."""
-    provider, _, rest = spec.partition(":")
-    if provider not in KEY_VARIABLES or not rest:
-        raise ModelNameError(f"--vlm {_shown(spec)}: is not one of {FORMS}")
-    if provider != "openai-compatible":
-        return HostedModel(provider, rest)
-    model, at, url = rest.partition("@http")
-    url = f"http{url}"
-    parts = urlsplit(url)
-    if not at or not model or parts.scheme not in ("http", "https") or not parts.hostname:
-        raise ModelNameError(
-            f"--vlm {_shown(spec)}: write openai-compatible:MODEL@URL, such as "
-            "openai-compatible:qwen2.5-vl@http://localhost:8000/v1"
-        )
-    if parts.username or parts.password or parts.query:
-        raise ModelNameError(
-            "--vlm: an address with a name, password or key in it would be written into the run folder; "
-            f"put the key into the environment variable {KEY_VARIABLES[provider][0]}"
-        )
-    return HostedModel(provider, model, url.rstrip("/"))
+@dataclass(frozen=True, slots=True)
+class MadeSpec(ModelSpec):
+    """A model that a function of other code makes of the text after the colon."""
+
+    make: Callable[[str], VLM]
+    rest: str
+
+    @classmethod
+    def by(cls, make: Callable[[str], VLM]) -> Callable[[str], ModelSpec]:
+        """What reads the names of such models."""
+        return lambda rest: cls(make, rest)
+
+    def connect(self, setup: Setup) -> VLM:
+        return self.make(self.rest)
 
 
-def _shown(spec: str) -> str:
-    """The name for an error message, without what could be a password."""
-    head, at, tail = spec.rpartition("@")
-    return f"{head.partition('://')[0]}@{tail}" if at and "://" in head else spec[:200]
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of model: how it is written, and what makes a ``ModelSpec`` of the text after the colon."""
+
+    form: str
+    read: Callable[[str], ModelSpec]
+
+
+def read_model(text: str, kinds: Mapping[str, Kind]) -> ModelSpec:
+    """The model that ``text`` names. Raises ``ModelNameError`` with the forms of ``kinds``."""
+    if not text.isprintable():
+        raise ModelNameError(f"--vlm {_shown(text)}: holds a character that cannot be printed")
+    name, _, rest = text.partition(":")
+    kind = kinds.get(name)
+    if kind is None or bool(rest) != (":" in kind.form):
+        forms = ", ".join(k.form for k in kinds.values())
+        raise ModelNameError(f"--vlm {_shown(text)}: is not one of {forms}")
+    return kind.read(rest)
+
+
+def _shown(text: str) -> str:
+    """The name for an error message, without what could be a password, as plain characters."""
+    head, at, tail = text.rpartition("@")
+    shown = f"{head.partition('://')[0]}@{tail}" if at and "://" in head else text
+    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in shown[:_LONGEST_SHOWN])

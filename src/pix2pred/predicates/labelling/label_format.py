@@ -19,7 +19,10 @@ class LabelFormat:
     structured: bool = False
 
     def read(self, answer: str, queried: Sequence[str]) -> ParsedLabels:
-        return parse_labels(as_text(answer) if self.structured else answer, queried)
+        parsed = parse_labels(as_text(answer) if self.structured else answer, queried)
+        if parsed.values or self.structured:
+            return parsed
+        return parse_labels(as_text(answer), queried)  # JSON that nobody asked for
 
     def schema(self, queried: Sequence[str]) -> str:
         return schema(queried) if self.structured else ""

@@ -11,13 +11,38 @@ from typing import Generic, TypeVar
 from pix2pred.predicates.proposing.parse_atoms import clean, kept, mentions
 from pix2pred.structs import Label
 
-_VALUE = re.compile(r"[ \t]*[:=][ \t]*([A-Za-z]+)")
-_LINE_VALUE = re.compile(r"[\"'_ \t]*(?:[:=|：→]|->|=>|-|–|—)[\"'_ \t]*([A-Za-z]+)")
-"""After an atom that begins a line, more is understood: quotes, arrows, dashes, table cells."""
+_SYNONYMS: Mapping[Label, str] = {
+    Label.TRUE: "yes 1 ✓ ✔ ✅ ☑ verdadero cierto sí si 真 是 对 正确",
+    Label.FALSE: "no 0 ✗ ✘ ❌ ✕ falso 假 否 错 错误",
+    Label.UNKNOWN: "desconocido 未知 不确定",
+}
+"""Other words for the three values. They count only where nothing but punctuation follows: "No change" is no "No"."""
+_WORDS: Mapping[str, Label] = {label.word: label for label in Label}
+_ALL_WORDS = dict(_WORDS) | {word: label for label, words in _SYNONYMS.items() for word in words.split()}
+_WORD = r"([A-Za-zí]+|[01](?![\w.])|真|是|对|正确|假|否|错误|错|未知|不确定|[✓✔✅☑✗✘❌✕])"
+_SOMETHING = r"[\"'_ \t]*"
+_VALUE = re.compile(rf"[ \t]*(?:[:：]|={{1,3}})[ \t]*{_WORD}")
+_ALONE = r"(?=[ \t]*\w+[ \t.]*(?:\n|\Z))"
+"""Before a word that ends its line."""
+_LINE_VALUE = re.compile(
+    rf"{_SOMETHING}(?:[:|：→]|={{1,3}}>?|->|-|–|—|is(?: now| still)?\b{_ALONE}|[:：]?[ \t]*\n[ \t>+\-]*{_ALONE})"
+    rf"{_SOMETHING}{_WORD}"
+)
+"""After an atom that begins a line, more is understood: quotes, arrows, dashes, table cells, the line below."""
+_THEN = re.compile(rf"{_SOMETHING}(?P<how>->|=>|→|⇒|/|\||or\b|\?){_SOMETHING}{_WORD}?", re.IGNORECASE)
+"""What may follow a value and say that it does not decide: a change to another, a choice, a question."""
+_ARROWS = ("->", "=>", "→", "⇒")
+_CHANGED = re.compile(
+    r"[^.\n]{0,30}\b(?:changed|changes|becomes|became|turned|now|corrected)\b[^.\n]{0,12}?\b(true|false|unknown)\b",
+    re.IGNORECASE,
+)
+_ENDS = re.compile(r"[ \t]*(?:[.,;:!。，；)\]}|\"'_…(–—-]|\n|\Z)")
+_WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)}
+"""Full-width letters, digits and signs, to plain ones: one character for one."""
+_QUOTED = re.compile(r"\([^()\n]{0,200}[\"'“”‘’][^()\n]{0,200}\)")
 _ATOM_AHEAD = r"(?![ \t]*[A-Za-z_][\w\-]*[ \t]*\([^()]*\)[ \t]*[:=])"
 _THIRD_SECTION = re.compile(rf"^[ \t#>\-]*(?:section[ \t]*)?3[.):]{_ATOM_AHEAD}", re.IGNORECASE | re.MULTILINE)
 _LINE_START = re.compile(r"\n[ \t>#+\-\d.)|\"'_•–]*\Z")
-_WORDS: Mapping[str, Label] = {label.word: label for label in Label}
 
 
 Value = TypeVar("Value")
@@ -46,13 +71,17 @@ ParsedLabels = Parsed[Label]
 
 @dataclass(frozen=True, slots=True)
 class _Statement:
-    """``atom: WORD`` at a place in the text; ``leads`` when its line begins with it, list markers aside."""
+    """``atom: WORD`` at a place in the text; ``leads`` when its line begins with it, list markers aside.
+
+    ``value`` is ``None`` for a word that is no value, and for one that does not decide: then ``undecided``.
+    """
 
     atom: str
-    word: str
+    value: Label | None
     start: int
     word_start: int
     leads: bool
+    undecided: bool
 
 
 def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
@@ -60,9 +89,10 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
 
     When the answer has a third section with values in it, only that section counts: the first two speak of expected
     and observed changes. The line that begins with an atom decides about it, the last such line if there are several;
-    values inside explanations count only for atoms without a line of their own.
+    values inside explanations count only for atoms without a line of their own. Where the text below the last such line
+    says otherwise about an atom, it has no value: it will be asked about again.
     """
-    text = clean(answer)
+    text = clean(_QUOTED.sub(_unquoted, answer.translate(_WIDE)))
     statements = list(_statements(text))
     if statements:
         begins = [h.end() for h in _THIRD_SECTION.finditer(text) if h.end() <= statements[-1].start]
@@ -75,15 +105,27 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
         atom = asked.find(statement.atom)
         if atom is None:
             unasked += 1
-        elif (value := _WORDS.get(statement.word.lower())) is None:
+        elif statement.value is None:
             other_words += 1
+            if statement.leads and statement.undecided:
+                leading.pop(atom, None)
         else:
-            (leading if statement.leads else inside)[atom] = value, statement.word_start
-    found = inside | leading
+            (leading if statement.leads else inside)[atom] = statement.value, statement.word_start
+    below = max((place for _, place in leading.values()), default=0)
+    revoked = {
+        a for a, (value, place) in inside.items()
+        if place > below and "\n" in text[below:place] and a in leading and leading[a][0] != value
+    }  # fmt: skip
+    found = {a: v for a, v in (inside | leading).items() if a not in revoked}
     values = {atom: found[atom][0] for atom in queried if atom in found}
     raw = kept(answer) if values else []
     places = {atom: raw[found[atom][1]] for atom in values}
     return ParsedLabels(values, tuple(a for a in queried if a not in found), other_words, unasked, places, answer)
+
+
+def _unquoted(match: re.Match[str]) -> str:
+    """Arguments without their quotes, at the same places."""
+    return re.sub("[\"'“”‘’]", " ", match[0])
 
 
 def _statements(text: str) -> Iterator[_Statement]:
@@ -91,7 +133,25 @@ def _statements(text: str) -> Iterator[_Statement]:
         near = "\n" + text[: mention.start] if mention.start < 20 else text[mention.start - 20 : mention.start]
         leads = _LINE_START.search(near) is not None
         if word := (_LINE_VALUE if leads else _VALUE).match(text, mention.end):
-            yield _Statement(str(mention), word[1], mention.start, word.start(1), leads)
+            value = _decided(text, word)
+            undecided = value is None and word[1].lower() in _WORDS
+            yield _Statement(str(mention), value, mention.start, word.start(1), leads, undecided)
+
+
+def _decided(text: str, word: re.Match[str]) -> Label | None:
+    """The value that the word after an atom gives, together with what follows it."""
+    value, end = _ALL_WORDS.get(word[1].lower()), word.end(1)
+    if value is None or (word[1].lower() not in _WORDS and not _ENDS.match(text, end)):
+        return None
+    while then := _THEN.match(text, end):
+        other = _ALL_WORDS.get((then[2] or "").lower())
+        if then["how"] == "?" or (other is not None and other != value and then["how"] not in _ARROWS):
+            return None
+        if other is None:
+            break
+        value, end = other, then.end()
+    changed = _CHANGED.match(text, end)
+    return None if changed and _WORDS[changed[1].lower()] != value else value
 
 
 class QueriedAtoms:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Literal
@@ -77,21 +77,27 @@ class EmptyProposalError(Pix2predError, RuntimeError):
         self.proposals = proposals
 
 
+class TooManyPicturesError(Pix2predError, ValueError):
+    """A question that cannot be asked with as few pictures as a server takes."""
+
+
 def propose(
     demos: Sequence[Demo],
     vlm: VLM,
     settings: ProposalSettings,
     *,
     together: Together | None = None,
+    max_pictures: int | None = None,
     progress: Progress = silent,
 ) -> tuple[Proposal, ...]:
     """One proposal per demonstration, in the order of ``demos``, asked for as ``together`` allows.
 
-    Raises ``EmptyProposalError`` if all are empty.
+    A demonstration of more than ``max_pictures`` pictures is asked about in parts. Raises ``EmptyProposalError`` if all
+    are empty, and ``TooManyPicturesError`` for a state of more pictures than that.
     """
     asking = together or Together()
     proposals: list[Proposal] = []
-    for proposal in asking.map(lambda demo: _propose_for(demo, vlm, settings), demos):
+    for proposal in asking.map(lambda demo: _propose_for(demo, vlm, settings, max_pictures), demos):
         proposals.append(proposal)
         progress(Stage.PROPOSE, len(proposals), len(demos), proposal.demo)
     return refuse_empty(vlm, proposals)
@@ -109,14 +115,41 @@ def refuse_empty(vlm: VLM, proposals: Sequence[Proposal]) -> tuple[Proposal, ...
     return tuple(proposals)
 
 
-def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings) -> Proposal:
-    return answered_proposal(
-        demo.name,
-        vlm,
-        lambda attempt, budget: proposal_request(demo, settings, attempt, budget),
-        lambda answer: read_proposal(demo, answer, settings),
-        settings.attempts,
-    )
+def _propose_for(demo: Demo, vlm: VLM, settings: ProposalSettings, max_pictures: int | None) -> Proposal:
+    """What the model proposes for a demonstration, or for all of its parts together."""
+
+    def about(part: range) -> Proposal:
+        return answered_proposal(
+            demo.name,
+            vlm,
+            lambda attempt, budget: proposal_request(demo, settings, attempt, budget, part),
+            lambda answer: read_proposal(demo, answer, settings),
+            settings.attempts,
+        )
+
+    parts = [about(part) for part in parts_of(demo, max_pictures)]
+    atoms = tuple(dict.fromkeys(atom for part in parts for atom in part.accepted))[: settings.max_atoms]
+    rejected = tuple(dict.fromkeys(r for part in parts for r in part.rejected))
+    return Proposal(demo.name, atoms, rejected, next((p.problem for p in parts if p.problem), ""))
+
+
+def parts_of(demo: Demo, max_pictures: int | None) -> Iterator[range]:
+    """The states of a demonstration in runs of at most ``max_pictures`` pictures; each begins where one ended.
+
+    Raises ``TooManyPicturesError`` when the pictures before and after one skill are more than that.
+    """
+    pictures = max((len(s.pictures) for s in demo.states), default=0)
+    if max_pictures is None or pictures * len(demo.states) <= max_pictures:
+        yield range(len(demo.states))
+        return
+    size = max_pictures // pictures
+    if size < 2:
+        raise TooManyPicturesError(
+            f"{demo.name}: states before and after a skill have {2 * pictures} pictures, and 'flow: {{max_pictures: "
+            f"{max_pictures}}}' allows {max_pictures}; leave cameras out, or let the server take more"
+        )
+    for first in range(0, len(demo.states) - 1, size - 1):
+        yield range(first, min(first + size, len(demo.states)))
 
 
 def answered_proposal(
@@ -150,16 +183,23 @@ def answered_proposal(
     return proposal
 
 
-def proposal_request(demo: Demo, settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS) -> Request:
-    """The query about one demonstration: instruction, objects, actions, then every state's pictures."""
+def proposal_request(
+    demo: Demo,
+    settings: ProposalSettings,
+    attempt: int = 0,
+    budget: int = ANSWER_TOKENS,
+    part: range | None = None,
+) -> Request:
+    """The query about one demonstration, or the states ``part`` of it: instruction, objects, actions, pictures."""
+    times = range(len(demo.states)) if part is None else part
     text = fill(
         "propose" if settings.variant == "diverse" else "propose_specific",
         objects=object_lines(demo.objects),
-        actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
+        actions="\n".join(f"{t}. {action_text(demo.actions[t])}" for t in times[:-1]),
         limit=limit_text(settings),
     )
     size, marks = settings.longest_side, settings.marks
-    shown = (views(s, t, demo.objects, marks=marks, longest_side=size) for t, s in enumerate(demo.states))
+    shown = (views(demo.states[t], t, demo.objects, marks=marks, longest_side=size) for t in times)
     return Request(
         Purpose.PROPOSE,
         (text, *chain.from_iterable(shown)),

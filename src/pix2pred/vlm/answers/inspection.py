@@ -43,11 +43,15 @@ def read_stored(store: AnswerStore, key: str) -> StoredEntry:
         document = json.loads(path.read_text(encoding="utf-8"))
         request = document["request"]
         entry = StoredEntry(key, str(request["model"]), str(document["purpose"]), request, read_entry(document))
-        if not all(isinstance(p, str | dict) for p in request["parts"]):
+        if not all(isinstance(p, str) or _is_picture(p) for p in request["parts"]):
             raise ValueError("parts are neither text nor pictures")
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise VLMError(f"{path}: damaged answer ({error})") from error
     return entry
+
+
+def _is_picture(part: Any) -> bool:
+    return isinstance(part, dict) and isinstance(part.get("pixels"), str) and isinstance(part.get("heading", ""), str)
 
 
 def find(store: AnswerStore, start: str) -> StoredEntry:
@@ -78,6 +82,11 @@ def problems(store: AnswerStore) -> Iterator[str]:
                     yield checked[digest]
 
 
+def read_all(store: AnswerStore) -> Iterator[StoredEntry]:
+    """Every entry, one after the other, in the order of keys. Raises ``VLMError`` for a damaged file."""
+    return (read_stored(store, key) for key in store.all_keys())
+
+
 def _wrong_with(blob: Path, digest: str) -> str:
     if not re.fullmatch(r"[0-9a-f]{64}", digest):
         return f"{digest[:80]!r}: is not the digest of a picture"
@@ -89,10 +98,21 @@ def _wrong_with(blob: Path, digest: str) -> str:
         return str(error)
 
 
+def _picture_file(store: AnswerStore, digest: str) -> Path:
+    path = store.blob(digest)
+    if not re.fullmatch(r"[0-9a-f]{64}", digest) or path.is_symlink() or not path.is_file():
+        raise VLMError(
+            f"{store.directory}: {digest[:80]!r} names no picture of this store; nothing was exported. See "
+            "'pix2pred answers verify'"
+        )
+    return path
+
+
 def export(store: AnswerStore, target: Path, model: str | None = None) -> int:
     """Write the answers, of one model or of all, with their pictures into a zip file; gives how many answers.
 
-    Unpacked over another store's folder it adds to it. The same answers give the same bytes.
+    Unpacked over another store's folder it adds to it. The same answers give the same bytes. Raises ``VLMError`` for a
+    picture that is no plain file of the store.
     """
     names: set[Path] = set()
     count = 0
@@ -100,7 +120,7 @@ def export(store: AnswerStore, target: Path, model: str | None = None) -> int:
         entry = read_stored(store, key)
         if model is None or entry.model == model:
             count += 1
-            names |= {store.path(key), *(store.blob(str(p["pixels"])) for p in entry.pictures)}
+            names |= {store.path(key), *(_picture_file(store, str(p.get("pixels", ""))) for p in entry.pictures)}
     partial = target.with_name(f".{target.name}.part")
     try:
         with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:

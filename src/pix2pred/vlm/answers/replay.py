@@ -3,9 +3,30 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
+from pathlib import Path
 
 from pix2pred.vlm.answers.store import AnswerStore
-from pix2pred.vlm.request import Answer, Request, VLMError
+from pix2pred.vlm.model_spec import Kind, ModelSpec, Setup
+from pix2pred.vlm.request import VLM, Answer, Request, VLMError
+
+
+@dataclass(frozen=True, slots=True)
+class ReplaySpec(ModelSpec):
+    """The answers of a folder instead of the model that gave them."""
+
+    directory: Path
+
+    def connect(self, setup: Setup) -> VLM:
+        """The model by name. Raises ``VLMError`` when the folder holds no answers, or those of several models."""
+        return replayed(AnswerStore(self.directory))
+
+    @property
+    def own_answers(self) -> Path:
+        return self.directory
+
+
+REPLAY = Kind("replay:DIR", lambda rest: ReplaySpec(Path(rest)))
 
 
 class AbsentVLM:

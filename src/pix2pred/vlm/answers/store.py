@@ -8,6 +8,9 @@ address or path of the machine is written.
 from __future__ import annotations
 
 import json
+import os
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +20,12 @@ from pix2pred.system.files import write_whole
 from pix2pred.vlm.request import Answer, Finish, Request, Spent, Token, VLMError
 
 VERSION = 1
+_MOST_TOKENS = 1 << 40
+_LARGEST = 1e12
+"""Of dollars and logarithms: what is larger was not written by us."""
+_SURROGATE = re.compile("[\ud800-\udfff]")
+_NAME = re.compile(r"[0-9a-f]{64}")
+"""Answers and pictures are named by a SHA-256; other files in a store's folders are none of ours."""
 
 
 class AnswerStore:
@@ -70,7 +79,16 @@ class AnswerStore:
 
     def all_keys(self) -> list[str]:
         """The keys of all answers, sorted."""
-        return sorted(p.stem for p in (self.directory / "answers").glob("??/*.json") if not p.name.startswith("."))
+        return sorted(self._found())
+
+    def _found(self) -> Iterator[str]:
+        answers = self.directory / "answers"
+        for folder in os.scandir(answers) if answers.is_dir() else ():
+            if len(folder.name) == 2 and folder.is_dir(follow_symlinks=False):
+                for entry in os.scandir(folder.path):
+                    name, _, ending = entry.name.partition(".")
+                    if ending == "json" and _NAME.fullmatch(name) and entry.is_file(follow_symlinks=False):
+                        yield name
 
     def blob(self, digest: str) -> Path:
         """Where the picture with this digest of its pixels lies."""
@@ -126,15 +144,30 @@ def read_entry(entry: Any) -> Answer:
     if entry["version"] != VERSION or not isinstance(entry["answer"], str):
         raise ValueError(f"is not a stored answer of version {VERSION}")
     given, taken = entry.get("tokens", (0, 0))
-    tokens = tuple(
-        Token(str(text), tuple((str(t), float(p)) for t, p in alternatives))
-        for text, *alternatives in entry.get("logprobs", ())
-    )
     dollars = entry.get("dollars")
     return Answer(
-        entry["answer"],
+        _SURROGATE.sub("\N{REPLACEMENT CHARACTER}", entry["answer"]),
         stored=True,
         finish=Finish(entry.get("finish", Finish.COMPLETE)),
-        tokens=tokens,
-        spent=Spent(int(given), int(taken), None if dollars is None else float(dollars)),
+        tokens=tuple(_read_token(token) for token in entry.get("logprobs", ())),
+        spent=Spent(_count(given), _count(taken), None if dollars is None else _amount(dollars)),
     )
+
+
+def _read_token(token: Any) -> Token:
+    text, *alternatives = token
+    return Token(str(text), tuple((str(t), min(0.0, _amount(p))) for t, p in alternatives))
+
+
+def _count(number: Any) -> int:
+    """A count of tokens. Raises ``ValueError`` for what no answer can have taken."""
+    if not isinstance(number, int) or not 0 <= number <= _MOST_TOKENS:
+        raise ValueError("a count of tokens that cannot be")
+    return number
+
+
+def _amount(number: Any) -> float:
+    """A finite number. Raises ``ValueError`` for any other."""
+    if isinstance(number, bool) or not isinstance(number, int | float) or not abs(number) < _LARGEST:
+        raise ValueError("a number that cannot be")
+    return float(number)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 
 from pix2pred.system.errors import StoppedError
+from pix2pred.vlm.control.flow import TransientError
 from pix2pred.vlm.request import VLM, Answer, Request, VLMError
 
 
@@ -36,15 +37,20 @@ class BudgetVLM:
             self._check()
             self._requests += 1
             self._under_way += 1
+        spent = None
         try:
             answer = self._model.answer(request)
+            spent = answer.spent
+        except TransientError as error:
+            spent = error.spent
+            raise
         finally:
             with self._lock:
                 self._under_way -= 1
-        with self._lock:
-            self._unpriced |= answer.spent.dollars is None
-            self._spent += answer.spent.dollars or 0.0
-            self._dearest = max(self._dearest, answer.spent.dollars or 0.0)
+                if spent is not None:
+                    self._unpriced |= spent.dollars is None
+                    self._spent += spent.dollars or 0.0
+                    self._dearest = max(self._dearest, spent.dollars or 0.0)
         return answer
 
     def _check(self) -> None:

@@ -13,8 +13,8 @@ from itertools import pairwise
 from typing import Any
 
 from pix2pred.vlm.answers.stored import StoredVLM
-from pix2pred.vlm.hosted.picture_tokens import picture_tokens
-from pix2pred.vlm.hosted.pricing import dollars
+from pix2pred.vlm.control.guard import Expected
+from pix2pred.vlm.model_spec import Rates
 from pix2pred.vlm.offline.prompt_format import (
     asked_atoms,
     defined_words,
@@ -49,14 +49,17 @@ class Estimate:
 
 
 class EstimatingVLM:
-    """Answers without asking and counts what would have been sent."""
+    """Answers without asking and counts what would have been sent.
 
-    def __init__(self, stored: StoredVLM, provider: str, model: str) -> None:
+    ``thinking`` are the tokens a model thinks about each question; ``None`` for as many as it usually does.
+    """
+
+    def __init__(self, stored: StoredVLM, rates: Rates | None, thinking: int | None = None) -> None:
         self.name = stored.name
         self.assumed = False
         self._stored = stored
-        self._provider = provider
-        self._model = model
+        self._rates = rates
+        self._thinking = thinking if thinking is not None else rates.thinking_tokens() if rates else 0
         self._counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
         self._lock = threading.Lock()
 
@@ -73,9 +76,11 @@ class EstimatingVLM:
             if not answer.stored:
                 count["pictures"] += len(request.views)
                 count["atoms"] += 0 if request.purpose in PROPOSING else sum(1 for _ in asked_atoms(request.text))
-                seen = sum(picture_tokens(self._provider, *view.shown_size) for view in request.views)
-                count["input"] += len(request.text) // CHARACTERS_PER_TOKEN + seen
+                count["input"] += len(request.text) // CHARACTERS_PER_TOKEN
                 count["output"] += len(answer.text) // CHARACTERS_PER_TOKEN
+                if self._rates is not None:
+                    count["input"] += sum(self._rates.picture_tokens(*view.shown_size) for view in request.views)
+                    count["output"] += self._thinking
         return answer
 
     def estimates(self) -> dict[str, Estimate]:
@@ -95,8 +100,15 @@ class EstimatingVLM:
             "dollars": None if any(p is None for p in prices) else round(sum(p or 0.0 for p in prices), 4),
         }
 
+    def expected(self) -> Expected:
+        """What would be asked, in sum."""
+        rows = [e for e in self.estimates().values() if e.queries > e.from_store]
+        prices = [e.dollars for e in rows]
+        dollars = None if None in prices else sum(p or 0.0 for p in prices)
+        return Expected(sum(e.queries - e.from_store for e in rows), sum(e.output_tokens for e in rows), dollars)
+
     def _estimate(self, count: Counter[str]) -> Estimate:
-        price = dollars(self._provider, self._model, count["input"], count["output"]) if self._provider else None
+        price = self._rates.dollars(count["input"], count["output"]) if self._rates else None
         return Estimate(
             count["queries"], count["from_store"], count["pictures"], count["atoms"],
             count["input"], count["output"], price,

@@ -6,89 +6,134 @@ Threads ask; one background thread runs the event loop in which the requests are
 from __future__ import annotations
 
 import asyncio
-import os
+import json
+import math
 import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from pix2pred.structs import PictureError
 from pix2pred.structs.views import View
+from pix2pred.vlm.control.flow import FlowSettings, TransientError
 from pix2pred.vlm.control.rate_limits import pause_after
 from pix2pred.vlm.hosted.pricing import dollars
-from pix2pred.vlm.model_spec import KEY_VARIABLES, HostedModel
-from pix2pred.vlm.request import Answer, Finish, Request, Spent, Token, VLMError
+from pix2pred.vlm.hosted.provider import HostedModel, Parameter
+from pix2pred.vlm.hosted.spoken import spoken
+from pix2pred.vlm.model_spec import Draw
+from pix2pred.vlm.request import Answer, Finish, NoAnswerError, Request, Spent, Token, VLMError
 
 if TYPE_CHECKING:
     from pydantic_ai.messages import ModelMessage, ModelResponse
-    from pydantic_ai.models import Model, ModelRequestParameters
+    from pydantic_ai.models import ModelRequestParameters
     from pydantic_ai.settings import ModelSettings
 
-Draw = Callable[[View], bytes]
-"""The PNG file of a view."""
-
 _FINISHES = {"length": Finish.CUT_SHORT, "content_filter": Finish.REFUSED}
+"""All other reasons, unknown ones too, mean that the answer is complete."""
 _SMALL_BUDGET = 2048
 """Tokens that every model can write: where they are too many, it is the pictures and the text that are too long."""
-_ALTERNATIVES = 5
-"""Tokens whose probabilities are asked for at every place."""
-
-
-def key_of_provider(provider: str) -> str | None:
-    """The provider's key, from the environment."""
-    return next((os.environ[name] for name in KEY_VARIABLES[provider] if os.environ.get(name)), None)
+_RAISED = 16_384
+"""Tokens for thinking that a model gets once it turned out to think longer than it may: what the longest of public
+reports need for one picture question, and still allowed by models of 32,768 tokens."""
 
 
 class HostedVLM:
-    """Asks a model over HTTP. ``hold`` is told how many seconds the provider wants no further requests."""
+    """Asks a model over HTTP. ``hold`` is told how many seconds the provider wants no further requests.
 
-    def __init__(self, model: HostedModel, draw: Draw, timeout: float) -> None:
+    It remembers what the server does not take, and how many tokens the model needs for thinking.
+    """
+
+    def __init__(self, model: HostedModel, draw: Draw, flow: FlowSettings) -> None:
         self.name = model.name
         self.hold: Callable[[float], None] = lambda seconds: None
         self._model = model
         self._draw = draw
-        self._timeout = timeout
-        self._key = key_of_provider(model.provider)
+        self._flow = flow
+        self._key = model.provider.key()
         if self._key is None and not model.url:
-            names = " or ".join(KEY_VARIABLES[model.provider])
-            raise VLMError(f"{model.name}: no key; set the environment variable {names}")
-        self._client = self._connect()
+            raise VLMError(f"{model.name}: no key; set the environment variable {model.provider.keys_in_words}")
+        if self._key and not (self._key.isascii() and self._key.isprintable()):
+            raise VLMError(
+                f"{model.name}: the key holds characters that no key has; check the environment variable "
+                f"{model.provider.keys_in_words}"
+            )
+        own = model.provider.thinking_tokens(model.model)
+        self._thinking = flow.thinking if flow.thinking is not None else own
+        self._raised = False
+        self._spoke = False
+        self._left_out: frozenset[Parameter] = frozenset()
+        self._learning = threading.Lock()
+        self._connect()
         self._loop = asyncio.new_event_loop()
         threading.Thread(target=self._loop.run_forever, name="pix2pred-vlm", daemon=True).start()
 
     def answer(self, request: Request) -> Answer:
-        """Send the request once. Raises ``TransientError``, ``NoAnswerError`` or ``VLMError``.
+        """Send the request once, or again without what the server does not take.
 
-        A model that allows no answer of this budget says so beforehand; the answer is then empty.
+        Raises ``TransientError``, ``NoAnswerError`` or ``VLMError``. A model that allows no answer of this budget says
+        so beforehand; the answer is then empty.
         """
-        from pix2pred.vlm.hosted.failures import TooLargeError, translated
+        from pix2pred.vlm.hosted.failures import TooLargeError, UnwantedError, translated
 
-        messages, settings, parameters = self._messages(request), self._settings(request), _parameters(request)
-        begin = time.perf_counter()
-        try:
-            coming = asyncio.run_coroutine_threadsafe(self._send(messages, settings, parameters), self._loop)
-            self._prepare(request.upcoming, coming)
-            response = coming.result()
-        except Exception as error:  # every library below has exceptions of its own; their texts may hold the key
-            failure = translated(error, self._model, self._key, self._timeout)
-        else:
-            return self._read(response, time.perf_counter() - begin)
-        if isinstance(failure, TooLargeError) and request.max_tokens > _SMALL_BUDGET:
-            return Answer("", finish=Finish.TOO_LARGE)
-        raise failure from None
+        self._check_pictures(request)
+        while True:
+            thinking, left_out = self._thinking, self._left_out
+            begin = time.perf_counter()
+            try:
+                response = self._exchange(request, thinking, left_out)
+            except Exception as error:  # every library below has exceptions of its own; their texts may hold the key
+                failure = translated(error, self._model, self._key, self._flow.timeout, request)
+            else:
+                return self._read(response, thinking, time.perf_counter() - begin)
+            if isinstance(failure, UnwantedError) and failure.parameter not in left_out:
+                self._leave_out(failure.parameter)
+            elif isinstance(failure, TooLargeError) and thinking:
+                self._think_less(thinking)
+            elif isinstance(failure, TooLargeError) and request.max_tokens > _SMALL_BUDGET:
+                return Answer("", finish=Finish.TOO_LARGE)
+            else:
+                raise failure from None
 
-    def _connect(self) -> Model:
+    def _check_pictures(self, request: Request) -> None:
+        most = self._flow.max_pictures
+        if most is not None and len(request.views) > most:
+            raise VLMError(
+                f"{request.about or 'a question'}: shows {len(request.views)} pictures, and 'flow: {{max_pictures: "
+                f"{most}}}' allows {most}; labels show fewer with 'labels: {{crops: false}}' or fewer cameras"
+            )
+
+    def _connect(self) -> None:
         try:
-            from pix2pred.vlm.hosted.providers import connect
+            from pix2pred.vlm.hosted.http import http_client
         except ImportError as error:
             raise VLMError(f"{self.name}: needs a package that is not installed ({error.name})") from error
-        return connect(self._model, self._key, self._heard)
+        self._client = self._model.connect(self._key or "", http_client(self._heard), self._left_out)
 
     def _heard(self, headers: dict[str, str]) -> None:
         if (seconds := pause_after(headers, time.time())) > 0:
             self.hold(seconds)
+
+    def _leave_out(self, parameter: Parameter) -> None:
+        with self._learning:
+            if parameter not in self._left_out:
+                self._left_out |= {parameter}
+                self._connect()
+
+    def _think_less(self, thinking: int) -> None:
+        """Halve the room for thinking: together with the answer's budget it is more than the model allows."""
+        with self._learning:
+            if self._thinking == thinking:
+                self._thinking = thinking // 2
+                self._raised = True
+
+    def _exchange(self, request: Request, thinking: int, left_out: frozenset[Parameter]) -> ModelResponse:
+        messages, settings = self._messages(request), self._settings(request, thinking, left_out)
+        parameters = _parameters(request, left_out)
+        coming = asyncio.run_coroutine_threadsafe(self._send(messages, settings, parameters), self._loop)
+        self._prepare(request.upcoming, coming)
+        return coming.result()
 
     async def _send(
         self, messages: list[ModelMessage], settings: ModelSettings, parameters: ModelRequestParameters
@@ -98,7 +143,7 @@ class HostedVLM:
         sending = model_request(
             self._client, messages, model_settings=settings, model_request_parameters=parameters, instrument=False
         )
-        return await asyncio.wait_for(sending, self._timeout)
+        return await asyncio.wait_for(sending, self._flow.timeout)
 
     def _prepare(self, views: Sequence[View], coming: Future[ModelResponse]) -> None:
         """Draw ``views``, which the drawing keeps for later, until the answer is there."""
@@ -119,59 +164,87 @@ class HostedVLM:
         ]
         return [ModelRequest(parts=[UserPromptPart(content)])]
 
-    def _settings(self, request: Request) -> ModelSettings:
+    def _settings(self, request: Request, thinking: int, left_out: frozenset[Parameter]) -> ModelSettings:
         from pydantic_ai.settings import ModelSettings
 
-        settings: dict[str, Any] = {
-            "max_tokens": request.max_tokens,
-            "temperature": request.temperature,
-            "timeout": self._timeout,
-        }
-        if self._model.provider != "anthropic":
-            settings["seed"] = 1000 * request.sample + request.attempt
-        if self._model.provider != "google":
-            settings["max_retries"] = 0
-        if request.logprobs and self._model.provider in ("openai", "openai-compatible"):
-            settings |= {"openai_logprobs": True, "openai_top_logprobs": _ALTERNATIVES}
-        if request.logprobs and self._model.provider == "google":
-            settings |= {"google_logprobs": True, "google_top_logprobs": _ALTERNATIVES}
+        provider, flow = self._model.provider, self._flow
+        asked = thinking if flow.thinking is not None or thinking else None
+        settings = provider.settings(request, asked, left_out)
+        settings |= {"max_tokens": (flow.output_tokens or request.max_tokens) + thinking, "timeout": flow.timeout}
+        left = Parameter.TEMPERATURE in left_out or flow.temperature is None
+        if not left and provider.takes_temperature(asked):
+            settings["temperature"] = request.temperature
         made: ModelSettings = ModelSettings(**settings)  # type: ignore[typeddict-item]
         return made
 
-    def _read(self, response: ModelResponse, seconds: float) -> Answer:
-        text = "".join(part.content for part in response.parts if part.part_kind == "text")
+    def _read(self, response: ModelResponse, thinking: int, seconds: float) -> Answer:
+        text, unfinished = spoken("".join(part.content for part in response.parts if part.part_kind == "text"))
         details = response.provider_details or {}
-        if refusal := details.get("refusal"):
-            text = str(refusal)
         usage = response.usage
         spent = Spent(
             usage.input_tokens,
             usage.output_tokens,
-            dollars(self._model.provider, self._model.model, usage.input_tokens, usage.output_tokens),
+            dollars(self._model.provider.name, self._model.model, usage.input_tokens, usage.output_tokens),
             seconds,
         )
-        finish = _FINISHES.get(response.finish_reason or "", Finish.COMPLETE)
+        if refusal := details.get("refusal"):
+            return Answer(str(refusal), finish=Finish.REFUSED, spent=spent)
+        finish = Finish.CUT_SHORT if unfinished else _FINISHES.get(response.finish_reason or "", Finish.COMPLETE)
+        if finish == Finish.CUT_SHORT and not text.strip():
+            self._never_spoke(thinking, spent)
+        self._spoke |= bool(text.strip())
         return Answer(text, finish=finish, tokens=_tokens(details.get("logprobs"), text), spent=spent)
 
+    def _never_spoke(self, thinking: int, spent: Spent) -> NoReturn:
+        """An answer was cut short before it said anything: give more room for thinking, once.
 
-def _parameters(request: Request) -> ModelRequestParameters:
+        Raises ``TransientError`` when the question is to be asked again, and ``VLMError`` when that was tried and the
+        model has never said anything, or else ``NoAnswerError``.
+        """
+        with self._learning:
+            if not self._raised:
+                self._raised = True
+                self._thinking = max(4 * thinking, _RAISED)
+            if self._thinking > thinking:
+                raise TransientError(
+                    f"the answer was cut short after {spent.output_tokens} tokens, before it said anything",
+                    retry_after=0.0,
+                    spent=spent,
+                )
+            if not self._spoke:
+                raise VLMError(
+                    f"{self.name}: answers are cut short by the token budget before they say anything, also with "
+                    f"{thinking} tokens for thinking; set 'flow: {{thinking: N}}' to more than that, or to 0 for a "
+                    "model that can answer without thinking, and start the server with a longer context if it has one"
+                )
+        raise NoAnswerError("the answer was cut short by the token budget before it said anything")
+
+
+def _parameters(request: Request, left_out: frozenset[Parameter]) -> ModelRequestParameters:
     from pydantic_ai.models import ModelRequestParameters
     from pydantic_ai.output import OutputObjectDefinition
 
-    if not request.schema:
+    if not request.schema or Parameter.SCHEMA in left_out:
         return ModelRequestParameters()
-    import json
-
     schema = OutputObjectDefinition(json_schema=json.loads(request.schema), name="labels", strict=True)
     return ModelRequestParameters(output_mode="native", output_object=schema, allow_text_output=True)
 
 
 def _tokens(logprobs: Any, text: str) -> tuple[Token, ...]:
-    """Tokens with their own probability first; empty when they are not there or do not make up the text."""
-    if not isinstance(logprobs, list):
+    """Tokens with their own probability first; empty when they are not there, absurd, or do not make up the text."""
+    try:
+        tokens = [
+            Token(str(item["token"]), tuple(_logprob(t) for t in (item, *(item.get("top_logprobs") or ()))))
+            for item in (logprobs if isinstance(logprobs, list) else ())
+        ]
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
         return ()
-    tokens = []
-    for item in logprobs:
-        alternatives = [(str(t["token"]), float(t["logprob"])) for t in item.get("top_logprobs") or ()]
-        tokens.append(Token(str(item["token"]), ((str(item["token"]), float(item["logprob"])), *alternatives)))
     return tuple(tokens) if "".join(t.text for t in tokens) == text else ()
+
+
+def _logprob(token: Any) -> tuple[str, float]:
+    """A token's text and the logarithm of its probability. Raises ``ValueError`` for what cannot be one."""
+    value = token["logprob"]
+    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value) or value > 0:
+        raise ValueError("no logarithm of a probability")
+    return str(token["token"]), float(value)

@@ -1,80 +1,177 @@
-"""What went wrong with a request, in three kinds: it may pass, this question has no answer, nothing can work.
+"""What went wrong with a request, by what can be done: ask again, ask otherwise, leave this question, end the run.
 
-Only what a server said in its error message is passed on, shortened, with the key blotted out; exceptions of the
-libraries below hold requests and headers, so they are not kept as causes.
+Only what a server said in its error message is passed on, shortened, with the key blotted out and nothing in it that
+a terminal would obey; exceptions of the libraries below hold requests and headers, so they are not kept as causes.
 """
 
 from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic_ai import exceptions as ai
 
 from pix2pred.vlm.control.flow import TransientError
-from pix2pred.vlm.model_spec import KEY_VARIABLES, HostedModel
-from pix2pred.vlm.request import NoAnswerError, VLMError
+from pix2pred.vlm.hosted.http import OversizeError
+from pix2pred.vlm.hosted.provider import HostedModel, Parameter
+from pix2pred.vlm.request import NoAnswerError, Request, VLMError
 
 
 class TooLargeError(NoAnswerError):
     """The answer budget, or all of the request, is larger than the model allows: fewer atoms may fit."""
 
 
+class UnwantedError(NoAnswerError):
+    """The server does not take ``parameter``; the question may be asked without it."""
+
+    def __init__(self, message: str, parameter: Parameter) -> None:
+        super().__init__(message)
+        self.parameter = parameter
+
+
 _TOO_LARGE = re.compile(r"\bmax_?(completion_?|output_?)?tokens\b|context (length|size|window)", re.I)
 _NOT_THERE = re.compile(r"unsupported|not supported|unknown parameter|unrecognized", re.I)
-_UNKNOWN_MODEL = re.compile(r"\bmodel\b.{0,200}(not found|not exist|unknown|not supported|not available|no such)", re.I)
+_UNKNOWN_MODEL = re.compile(r"\bmodel\b.{0,200}(not found|not exist|unknown|not available|no such)", re.I)
 _PINNED_MODEL = re.compile(r"(pinned|restricted) to\b|only serves", re.I)
+_PARAMETERS = {
+    Parameter.TEMPERATURE: re.compile(r"\btemperature\b", re.I),
+    Parameter.SEED: re.compile(r"\bseed\b", re.I),
+    Parameter.LOGPROBS: re.compile(r"\b(top_|response_?)?logprobs\b|log.?probabilit", re.I),
+    Parameter.SCHEMA: re.compile(r"response_?format|json_?schema|response_?schema|structured output|\bguided", re.I),
+    Parameter.THINKING: re.compile(r"thinking|reasoning_?effort|budget_tokens", re.I),
+}
+_OTHER_BUDGET = re.compile(r"max_(completion_)?tokens\b.{0,120}(unsupported|not supported|instead|use)", re.I)
+_NO_IMAGES = re.compile(
+    r"image (input|inputs|content)?\s*(is|are)? ?not supported|mmproj|(not|n't) support (image|vision|multimodal)"
+    r"|not a (multimodal|vision)|(text|language).only model|no (vision|image) support|unknown .{0,30}image_url"
+    r"|image_url.{0,40}(not supported|unsupported|is not allowed)|multimodal .{0,40}(not|disabled)",
+    re.I,
+)
+_NO_MEMORY = re.compile(
+    r"out of memory|(requires|needs) more .{0,20}memory|(insufficient|not enough) .{0,20}memory|CUDA error"
+    r"|failed to (load|allocate)|unable to (load|allocate)",
+    re.I,
+)
+_MOST_PICTURES = re.compile(
+    r"at most (\d+) ?image|(?:up to|maximum of|max(?:imum)?|limit(?: is)?:?) ?(\d+) (?:image|picture)", re.I
+)
+_TOO_MANY_PICTURES = re.compile(
+    r"too many (image|picture)s|number of images|images? .{0,40}(exceed|limit)|many-image", re.I
+)
+_CERTIFICATE = re.compile(r"certificate|CERTIFICATE_VERIFY_FAILED|self.signed", re.I)
+_READ_OF_A_MESSAGE = 2000
+"""Characters of a server's message that are looked at."""
+_SHOWN_OF_A_MESSAGE = 200
 
 
-def translated(error: Exception, model: HostedModel, key: str | None, timeout: float) -> VLMError:
-    """The error to raise in place of ``error``."""
+def translated(error: Exception, model: HostedModel, key: str | None, timeout: float, request: Request) -> VLMError:
+    """The error to raise in place of ``error``, which ``request`` met."""
+    chain = list(_causes(error))
+    if any(isinstance(e, OversizeError) for e in chain):
+        return NoAnswerError("the answer is larger than any answer can be")
+    if any(_CERTIFICATE.search(str(e)[:_READ_OF_A_MESSAGE]) for e in chain if isinstance(e, OSError)):
+        return VLMError(
+            f"{model.name}: the certificate of {model.place} is not trusted; name a file with the certificate in the "
+            "environment variable SSL_CERT_FILE, or use http:// on this machine"
+        )
     if isinstance(error, TimeoutError | ai.ModelRequestTimeout | ai.ModelTimeoutError):
         return TransientError(f"no answer within {timeout:g} s")
     if isinstance(error, ai.ModelConnectionError):
         connected = error.phase not in ("connect", "pool")
-        what = "the connection was cut" if connected else f"nothing can be reached at {model.url or model.provider}"
+        what = "the connection was cut" if connected else f"nothing can be reached at {model.place}"
         return TransientError(what, connected=connected)
     if isinstance(error, ai.ModelAPIError):
-        return _refused(error, model, key)
+        return _refused(error, model, key, request)
     if isinstance(error, ai.UnexpectedModelBehavior):
         return TransientError("the server's answer does not follow the protocol")
     return TransientError(f"the request failed ({type(error).__name__})")
 
 
-def _refused(error: ai.ModelAPIError, model: HostedModel, key: str | None) -> VLMError:
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__
+
+
+def _refused(error: ai.ModelAPIError, model: HostedModel, key: str | None, request: Request) -> VLMError:
     status = error.status_code if isinstance(error, ai.ModelHTTPError) else None
     said = f"HTTP {status}" if status else "the provider reported an error"
-    if message := _message(error.body, key):
-        said += f": {message}"
+    whole = _message(error.body, key)
+    if whole:
+        said += f": {whole[:_SHOWN_OF_A_MESSAGE]}"
     if isinstance(error, ai.ModelAuthenticationError) or status in (401, 403):
-        names = " or ".join(KEY_VARIABLES[model.provider])
+        names = model.provider.keys_in_words
         return VLMError(f"{model.name}: the key was not accepted ({said}); check the environment variable {names}")
     if isinstance(error, ai.ModelQuotaExceededError) or status == 402:
         return VLMError(f"{model.name}: the account's quota or credit is used up ({said})")
-    unknown = _UNKNOWN_MODEL.search(message) or _PINNED_MODEL.search(message)
+    if lasting := _lasting(whole, model, said, request):
+        return lasting
+    unknown = _UNKNOWN_MODEL.search(whole) or _PINNED_MODEL.search(whole)
     if isinstance(error, ai.ModelNotFoundError) or status == 404 or (status == 400 and unknown):
         return VLMError(f"{model.name}: the server knows no such model or address ({said})")
     if status is None or status >= 500 or status in (408, 409, 425, 429):
         return TransientError(said, error.retry_after)
-    too_large = _TOO_LARGE.search(message) and not _NOT_THERE.search(message)
-    return TooLargeError(said) if status in (400, 413, 422) and too_large else NoAnswerError(said)
+    if status in (400, 413, 422):
+        if unwanted := _unwanted(whole, request):
+            return UnwantedError(said, unwanted)
+        if _TOO_LARGE.search(whole) and not _NOT_THERE.search(whole):
+            return TooLargeError(said)
+    return NoAnswerError(said)
+
+
+def _lasting(message: str, model: HostedModel, said: str, request: Request) -> VLMError | None:
+    """What no waiting mends and every question meets."""
+    count = len(request.views)
+    if count and (most := _MOST_PICTURES.search(message) or _TOO_MANY_PICTURES.search(message)):
+        number = next((g for g in most.groups() if g and g.isdigit()), "N")
+        return VLMError(
+            f"{model.name}: {count} pictures in one question are too many ({said}); set 'flow: {{max_pictures: "
+            f"{number}}}', which asks for proposals in parts, and with it 'labels: {{crops: false}}' for fewer "
+            "pictures of labels. A vLLM server takes more with --limit-mm-per-prompt"
+        )
+    if count and _NO_IMAGES.search(message):
+        return VLMError(
+            f"{model.name}: the model or its server takes no pictures ({said}); name a vision-language model, or start "
+            "the server with the model's image projector (llama.cpp: --mmproj)"
+        )
+    if _NO_MEMORY.search(message):
+        return VLMError(f"{model.name}: the server lacks memory for this model or question ({said})")
+    return None
+
+
+def _unwanted(message: str, request: Request) -> Parameter | None:
+    """The parameter that the server does not take, of those that were sent."""
+    if _OTHER_BUDGET.search(message):
+        return Parameter.BUDGET_NAME
+    sent = {p for p, pattern in _PARAMETERS.items() if pattern.search(message)}
+    if not request.logprobs:
+        sent.discard(Parameter.LOGPROBS)
+    if not request.schema:
+        sent.discard(Parameter.SCHEMA)
+    return min(sent, key=list(_PARAMETERS).index, default=None)
 
 
 def _message(body: Any, key: str | None) -> str:
-    """The message in a provider's error body, on one line."""
+    """The message in a provider's error body, on one line, at most ``_READ_OF_A_MESSAGE`` characters."""
     if isinstance(body, dict):
         inner = body.get("error", body)
         found = inner.get("message") or inner.get("detail") if isinstance(inner, dict) else inner
         body = found or body.get("detail") or body
-    text = " ".join((body if isinstance(body, str) else json.dumps(body, default=str)).split()) if body else ""
-    return _blotted(text, key)[:200]
+    try:
+        text = body if isinstance(body, str) else json.dumps(body, default=str) if body else ""
+    except (ValueError, RecursionError):  # nested deeper than anything that says something
+        return ""
+    plain = "".join(c if c.isprintable() else " " for c in text[:_READ_OF_A_MESSAGE])
+    return _blotted(" ".join(plain.split()), key)
 
 
 def _blotted(text: str, key: str | None) -> str:
-    """Without the key, nor the beginning or end of it that servers like to repeat."""
+    """Without the key, nor the beginning or end of it that servers like to repeat. Takes linear time."""
     if key:
         text = text.replace(key, "[key]")
         if len(key) >= 8:
-            text = re.sub(rf"\S*(?:{re.escape(key[:8])}|{re.escape(key[-4:])})\S*", "[key]", text)
+            pieces = (key[:8], key[-4:])
+            text = " ".join("[key]" if any(p in word for p in pieces) else word for word in text.split(" "))
     return re.sub(r"\b(?:sk|pk|key|AIza)[-_A-Za-z0-9]{12,}", "[key]", text)

@@ -1,0 +1,108 @@
+"""Ways of writing a value: those that a person would read, and those that decide nothing."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from pix2pred.predicates.labelling.parse_labels import parse_labels
+from pix2pred.predicates.labelling.structured import as_text
+from pix2pred.structs import Label
+
+ATOM = "lit(a)"
+TRUE, FALSE, UNKNOWN = Label.TRUE, Label.FALSE, Label.UNKNOWN
+
+READ = {
+    "* lit(a): False -> True": TRUE,
+    "* lit(a): False → True (changed)": TRUE,
+    "* lit(a): True => False": FALSE,
+    "* lit(a): Unknown -> False -> True": TRUE,
+    "* lit(a): True. It was False before.": TRUE,
+    "* lit(a): True, was False": TRUE,
+    "lit(a): False\n* lit(a): True": TRUE,
+    "ｌｉｔ（ａ）： Ｔｒｕｅ": TRUE,
+    "lit(a)：真": TRUE,
+    "lit(a): 假。": FALSE,
+    "lit(a): verdadero": TRUE,
+    "* lit(a) — sí": TRUE,
+    "lit(a): falso": FALSE,
+    "lit(a): desconocido": UNKNOWN,
+    "lit(a): Yes": TRUE,
+    "lit(a): No.": FALSE,
+    "lit(a): 1": TRUE,
+    "lit(a): 0, as before": FALSE,
+    "lit(a): ✓": TRUE,
+    "lit(a) ✗": None,
+    "lit(a): ✗": FALSE,
+    "lit(a) is true": TRUE,
+    "lit(a) is still false": FALSE,
+    "lit(a) == True": TRUE,
+    "lit(a) = False": FALSE,
+    'lit("a"): True': TRUE,
+    "lit('a'): False": FALSE,
+    "lit(a):\n  True": TRUE,
+    "**lit(a)**\n- False": FALSE,
+    "| lit(a) | True | because |": TRUE,
+    "| lit(a) | True | True |": TRUE,
+}
+"""``None`` where even a person would ask."""
+
+UNDECIDED = (
+    "* lit(a): True or False? True.",
+    "* lit(a): True/False: it is hard to say",
+    "* lit(a): True or False",
+    "* lit(a): True? Yes.",
+    "* lit(a): False (changed to True)",
+    "* lit(a): False, now True",
+    "| lit(a) | False | True | it was off |",
+    "lit(a): No change. True",
+    "lit(a): not true",
+    "lit(a): 10",
+    "lit(a): 1.5",
+    "lit(a): False\n\nAfter that, lit(a): True.",
+    "lit(a): True\nlit(a): True or False",
+)
+
+
+@pytest.mark.parametrize("answer", READ)
+def test_what_a_person_would_read_is_read(answer: str) -> None:
+    assert parse_labels(answer, [ATOM]).values.get(ATOM) == READ[answer]
+
+
+@pytest.mark.parametrize("answer", UNDECIDED)
+def test_what_decides_nothing_gives_no_value_and_is_asked_again(answer: str) -> None:
+    parsed = parse_labels(answer, [ATOM])
+    assert parsed.values == {} and parsed.missing == (ATOM,)
+
+
+@pytest.mark.parametrize("answer", [a for a, value in READ.items() if value is not None])
+def test_the_place_of_the_word_is_in_the_answer_as_given(answer: str) -> None:
+    parsed = parse_labels(answer, [ATOM])
+    assert parsed.places[ATOM] < len(answer) and not answer[parsed.places[ATOM]].isspace()
+
+
+ROWS = [{"atom": "lit(a)", "value": "True"}, {"atom": "lit(b)", "value": "False", "explanation": "dark"}]
+SHAPES = {
+    "as asked": json.dumps({"expected_changes": "e", "observed_changes": "o", "values": ROWS}),
+    "fenced": f"```json\n{json.dumps({'values': ROWS})}\n```",
+    "in prose": f"Here you are: {json.dumps({'values': ROWS})} I hope this helps.",
+    "a list": json.dumps(ROWS),
+    "a list in prose": f"The values:\n{json.dumps(ROWS)}\n",
+    "atoms to words": json.dumps({"lit(a)": "True", "lit(b)": "False"}),
+    "atoms to truth": json.dumps({"values": {"lit(a)": True, "lit(b)": False}}),
+    "other keys": json.dumps({"labels": [{"predicate": r["atom"], "label": r["value"]} for r in ROWS]}),
+    "atoms to objects": json.dumps({"lit(a)": {"value": True, "why": "x"}, "lit(b)": {"value": False}}),
+    "nested": json.dumps({"result": {"state": {"values": ROWS}}}),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_json_is_read_in_whatever_form_it_comes(shape: str) -> None:
+    parsed = parse_labels(as_text(SHAPES[shape]), ["lit(a)", "lit(b)"])
+    assert parsed.values == {"lit(a)": TRUE, "lit(b)": FALSE}
+
+
+@pytest.mark.parametrize("answer", ["lit(a): True", "", "{", "[" * 100_000, '{"values": 3}', "lit(a): True {no json}"])
+def test_what_is_no_json_with_values_stays_as_it_is(answer: str) -> None:
+    assert as_text(answer) == answer
