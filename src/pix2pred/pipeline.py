@@ -17,6 +17,7 @@ from pix2pred.learning import Advice, LearningSettings, Selection, advise, hill_
 from pix2pred.learning.invariants import acquaint
 from pix2pred.learning.operators.shared_words import with_shared_words
 from pix2pred.learning.samplers.learn import learn_samplers
+from pix2pred.learning.strategies import stopping_rule
 from pix2pred.predicates import (
     Corrections,
     Labelling,
@@ -27,7 +28,7 @@ from pix2pred.predicates import (
     proposed_pool,
 )
 from pix2pred.settings import Settings
-from pix2pred.structs import Candidate, Demo, PictureError, Predicate, TruthTable, Vocabulary, WorldModel
+from pix2pred.structs import Candidate, Demo, FromVLM, PictureError, Predicate, TruthTable, Vocabulary, WorldModel
 from pix2pred.structs.samplers import Sampler
 from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm import VLM, Together
@@ -205,6 +206,18 @@ def world_model(vocabulary: Vocabulary, table: TruthTable, selection: Selection,
     return WorldModel(
         vocabulary, selection.selected, selection.operators, labels_from, known.reliability, known.invariants
     )
+
+
+def finished_before_it_began(problem: LearningProblem) -> float | None:
+    """J with the given predicates alone, if selection would stop there without trying any candidate; else None.
+
+    Also None when a given predicate has to be read from pictures, since nothing is asked here.
+    """
+    if any(isinstance(p.source, FromVLM) for p in problem.vocabulary.initial):
+        return None
+    table, settings = label(replace(problem, progress=silent), Pool(())).table, problem.settings.learning
+    score = hill_climbing(table, settings).score(())
+    return score.total if stopping_rule(settings).finished(score) else None
 
 
 def fit_samplers(problem: LearningProblem, selected: Selected) -> Mapping[str, Sampler]:

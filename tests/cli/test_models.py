@@ -87,7 +87,7 @@ def test_a_changed_answer_is_found(cli: Cli, lamps: Path, server: FaultServer, q
     found = cli("answers", "verify", run)
     assert found.code == 2
     assert path.name in found.out.replace("\n", "") and blob.name in found.out.replace("\n", "")
-    assert "2 problem(s)" in found.out
+    assert "2 problems" in found.out
 
 
 def start(*args: object) -> subprocess.Popen[bytes]:

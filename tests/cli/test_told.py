@@ -46,6 +46,13 @@ def test_a_useless_model_is_told_so_in_the_terminal_the_run_and_the_report(
     assert [str(c) for c in load_contents(RunFolder(tmp_path / "run")).verdict] == metrics["verdict"]
 
 
+def test_check_says_when_selection_would_end_before_it_began(cli: Cli, data: Path) -> None:
+    ran = cli("check", data)
+    assert ran.code == 0 and "selection would end before it began" in ran.out and "J is 12" in ran.out
+    useful(data)
+    assert "before it began" not in cli("check", data).out
+
+
 def test_a_plan_says_which_of_its_steps_nobody_can_vouch_for(
     cli: Cli, model: Model, data: Path, done: Path, photo: Path
 ) -> None:

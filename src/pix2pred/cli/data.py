@@ -19,6 +19,7 @@ from pix2pred.demos import (
     write_project,
     write_schemas,
 )
+from pix2pred.pipeline import LearningProblem, finished_before_it_began
 from pix2pred.registry import MODEL_FORMS, Registry, check_family
 from pix2pred.settings import SettingsError
 from pix2pred.structs.environment import asking_settings
@@ -105,15 +106,16 @@ def check(
             if vlm:
                 raise
             not_known = str(error)
+    warnings = [*found.warnings, *(_cautions(directory, registry, found.project) if estimate and found.project else ())]
     if json:
-        print_json({"problems": _rows(problems), "warnings": _rows(found.warnings), "learning": estimate})
+        print_json({"problems": _rows(problems), "warnings": _rows(warnings), "learning": estimate})
         return 2 if problems else 0
     for problem in problems:
         out.print(str(problem), markup=False, soft_wrap=True)
-    for warning in found.warnings:
+    for warning in warnings:
         out.print(warning.told("warning"), markup=False, soft_wrap=True)
     count = counted(len(problems), "problem") if problems else "no problems found"
-    out.print(f"{count}, {counted(len(found.warnings), 'warning')}" if found.warnings else count)
+    out.print(f"{count}, {counted(len(warnings), 'warning')}" if warnings else count)
     if estimate:
         out.print(_said(estimate), markup=False, soft_wrap=True)
     elif not_known:
@@ -128,6 +130,21 @@ def _settings_problems(directory: Path, project: Project) -> list[Problem]:
     except SettingsError as error:
         return [Problem(directory / "domain.yaml", None, str(error))]
     return []
+
+
+def _cautions(directory: Path, registry: Registry, project: Project) -> list[Problem]:
+    """What will make the learned model useless although nothing is wrong with the project."""
+    nobody = registry.estimator(EXAMPLE_MODEL, None, AnswerStore(Path("no-answers")))
+    problem = LearningProblem(project.vocabulary, project.demos, nobody, project_settings(project))
+    j = finished_before_it_began(problem)
+    if j is None:
+        return []
+    threshold = problem.settings.learning.j_threshold
+    said = (
+        f"selection would end before it began: with the given predicates alone J is {j:,.0f}, and it stops at or below "
+        f"j_threshold = {threshold:,.0f}; write 'learning: {{operators: robust}}', or a smaller j_threshold"
+    )
+    return [Problem(directory / "domain.yaml", None, said)]
 
 
 def _rows(problems: Sequence[Problem]) -> list[dict[str, str | int | None]]:

@@ -10,8 +10,7 @@ from cyclopts import Parameter
 
 from pix2pred.cli.console import UsageError, bars, err, print_estimated, print_json, print_learned
 from pix2pred.cli.ranges import DOLLARS, NOT_NEGATIVE, WORKERS, between, output_folder
-from pix2pred.demos import Project, project_digest, read_project
-from pix2pred.demos.join import join_projects
+from pix2pred.demos import Project, join_projects, project_digest, read_project
 from pix2pred.pipeline import LearningProblem, ask
 from pix2pred.registry import MODEL_FORMS, NO_LIMITS, Registry
 from pix2pred.report import REPORT, write_report

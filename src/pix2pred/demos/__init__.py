@@ -8,6 +8,7 @@ from pix2pred.demos.digest import project_digest
 from pix2pred.demos.files.folders import DOMAIN
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.schemas import json_schemas, write_schemas
+from pix2pred.demos.join import join_projects
 from pix2pred.demos.pictures import ENDINGS
 from pix2pred.demos.read import Project, StoredTask, read_project, read_tasks
 from pix2pred.demos.scene_photos import Photographed, read_photo, read_task, state_from_doc
@@ -24,6 +25,7 @@ __all__ = [
     "StoredTask",
     "check_project",
     "inspect_project",
+    "join_projects",
     "json_schemas",
     "project_digest",
     "read_photo",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pix2pred.demos.authoring.photos import clean_copy
+from pix2pred.demos.authoring import clean_copy
 from pix2pred.learning import load_traces
 from pix2pred.predicates.labelling.evidence import load_evidence
 from pix2pred.runs.folder import RunFolder, RunFolderError

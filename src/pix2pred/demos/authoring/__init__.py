@@ -4,7 +4,7 @@ from pix2pred.demos.authoring.declaring import DeclarationError, Declarations, d
 from pix2pred.demos.authoring.domain_text import domain_text
 from pix2pred.demos.authoring.drafts import Draft, refuse_begun, write_drafts
 from pix2pred.demos.authoring.example import example_declarations, example_drafts
-from pix2pred.demos.authoring.photos import MAX_SIDE, Order
+from pix2pred.demos.authoring.photos import MAX_SIDE, Order, clean_copy
 
 __all__ = [
     "MAX_SIDE",
@@ -12,6 +12,7 @@ __all__ = [
     "Declarations",
     "Draft",
     "Order",
+    "clean_copy",
     "declare",
     "domain_text",
     "example_declarations",
