@@ -68,6 +68,17 @@ def test_an_unknown_label_says_nothing() -> None:
     assert found.surprise[1] < 0.03
 
 
+def test_what_no_label_says_anything_about_is_false() -> None:
+    """Every label of ``hot`` is missing: nothing holds, nothing changes, and no skill asks for it."""
+    source = table([DONE, HOT], [], [heated(RIGHT, unknown=(0, 1, 2, 3, 4)) for _ in range(6)])
+    data = IndexedTable(source)
+    found = HiddenMarkovLabels().fit(data, partition(data, [0]), [1])
+    assert data.predicates[1] == HOT
+    assert found.extensions[1] == [[frozenset()] * 5] * 6
+    assert not found.effects[1]
+    assert {a.predicate for op in learn_operators(source, ROBUST) for a in op.preconditions} <= {DONE}
+
+
 def test_labels_without_a_mistake_stay_as_they_are() -> None:
     for family in FAMILIES:
         source = workload(family, 40, seed=3)

@@ -17,12 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.learning.labels.chains import Chains, Ints, blocks
+from pix2pred.learning.labels.messages import Floats, backward, forward
 from pix2pred.learning.operators.robust_settings import LabelModelSettings, RoleSettings
 from pix2pred.learning.operators.roles import Bystanders, Role, Roles
 from pix2pred.learning.operators.transition_class import Partition
 from pix2pred.learning.transitions import NOTHING, Extension, IndexedTable, ObjectIds
 
-Floats = NDArray[np.float64]
+TIE = 1e-6
+"""Differences of beliefs and of log-likelihoods below it are rounding."""
 
 UNCERTAIN = 1e-9
 """Guards logarithms and divisions of expected counts, which may be 0."""
@@ -132,7 +134,7 @@ class _BaumWelch:
             self._expect()
             self._settle_before()
         self._expect()
-        self.values = self.belief > 0.5
+        self.values = self.belief > 0.5 + TIE  # what no label says anything about counts as false
         labels = np.bincount(self._chains.owner, self._chains.weight * self._seen.sum(1), len(self.rates))
         self.surprise = self.rates + self._unforeseen / np.maximum(labels, 1)
 
@@ -146,8 +148,8 @@ class _BaumWelch:
         """
         like_true, like_false = self._likelihoods()
         up, down = self._up.ravel()[self._index], self._down.ravel()[self._index]
-        ahead = _forward(like_true, like_false, up, down)
-        behind = _backward(like_true, like_false, up, down)
+        ahead = forward(like_true, like_false, up, down)
+        behind = backward(like_true, like_false, up, down)
         weight = ahead * behind
         self.belief = weight / (weight + (1 - ahead) * (1 - behind))
         self._estimate_rates()
@@ -251,7 +253,8 @@ class _BaumWelch:
             by_role(np.log(true)) + expected * (effects == EffectKind.DELETE),
             by_role(np.log1p(-true)) + expected * (effects == EffectKind.ADD),
         ])  # fmt: skip
-        settled = np.argmax(scores, axis=0)
+        nothing_said = abs(scores[1] - scores[2]) < TIE  # labels that are all missing are no reason for either
+        settled = np.where(nothing_said, 0, np.argmax(scores, axis=0))
         custom = float(np.log(self._settings.custom_odds))
         self._before = np.choose(settled, [0.0, custom, -custom]).reshape(self._before.shape)
         self._before[:, :2] = 0.0
@@ -278,29 +281,6 @@ class _BaumWelch:
             of_predicate = result.belief[chains.predicates[chains.owner[i]]]
             for d, args in chains.where[i]:
                 of_predicate[d, t, args] = belief
-
-
-def _forward(like_true: Floats, like_false: Floats, up: Floats, down: Floats) -> Floats:
-    """The probability that every atom is true in every state, given its labels up to this state."""
-    ahead: Floats = np.empty(like_true.shape)
-    prior: Floats | float = 0.5
-    for s in range(like_true.shape[1]):
-        if s:
-            prior = ahead[:, s - 1] * (1 - down[:, s - 1]) + (1 - ahead[:, s - 1]) * up[:, s - 1]
-        true, false = prior * like_true[:, s], (1 - prior) * like_false[:, s]
-        ahead[:, s] = true / (true + false)
-    return ahead
-
-
-def _backward(like_true: Floats, like_false: Floats, up: Floats, down: Floats) -> Floats:
-    """The share that "true" has in the likelihood of all labels after a state, against "false"."""
-    behind: Floats = np.full(like_true.shape, 0.5)
-    for s in range(like_true.shape[1] - 2, -1, -1):
-        if_true, if_false = like_true[:, s + 1] * behind[:, s + 1], like_false[:, s + 1] * (1 - behind[:, s + 1])
-        true = (1 - down[:, s]) * if_true + down[:, s] * if_false
-        false = up[:, s] * if_true + (1 - up[:, s]) * if_false
-        behind[:, s] = true / (true + false)
-    return behind
 
 
 def _log_likelihood(a: Floats, b: Floats) -> Floats:
