@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pix2pred.planning import GroundingBudgetError, GroundTask, ground
+from pix2pred.planning.grounding import check_size
 from pix2pred.structs import Atom, LiftedAtom, Object, Operator, Skill, Variable
 from planning.random_tasks import BALL, BOX, RED_BALL, THING, naive_ground, named, predicate, random_lifted
 
@@ -98,6 +99,18 @@ def test_hostile_eight_parameters_join_without_enumerating_all_tuples() -> None:
     walk = operator(variables, chain, lifted(LiftedAtom(CLEAR, (variables[7],))))
     facts = frozenset(ON(objects[i], objects[i + 1]) for i in range(29))
     assert len(ground([walk], objects, facts, []).instances) == 23  # 30**8 tuples
+
+
+def test_hostile_more_distinct_parameters_than_objects_ends_at_a_budget() -> None:
+    many = operator(tuple(Variable(f"?x{i}", BALL) for i in range(40)), frozenset(), frozenset())
+    with pytest.raises(GroundingBudgetError, match="too many tries for a budget of 50 operators"):
+        ground([many], [Object(f"b{i}", BALL) for i in range(39)], frozenset(), (), budget=50)
+
+
+def test_hostile_a_task_whose_bits_would_fill_the_memory_is_refused_before_they_are_made() -> None:
+    check_size(1_000, 10_000)
+    with pytest.raises(GroundingBudgetError, match="50000 ground operators over 100000 facts would take"):
+        check_size(100_000, 50_000)
 
 
 @given(st.integers(0, 2**32), st.booleans())
