@@ -76,3 +76,8 @@ def shape(op: Operator) -> Shape:
     parameters = tuple((v.name, v.type.name) for v in op.parameters)
     skill = (op.skill.name, tuple(v.name for v in op.skill_args))
     return op.name, parameters, skill, atoms(op.preconditions), atoms(op.add), atoms(op.delete)
+
+
+def ordered(shape: Shape) -> Shape:
+    """A shape whose sets are sorted, so that shapes can be compared by what they print."""
+    return tuple(tuple(sorted(part)) if isinstance(part, frozenset) else part for part in shape)

