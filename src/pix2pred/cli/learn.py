@@ -41,7 +41,9 @@ class Asking:
 class AskingOptions:
     """Options of ``learn`` about asking the model; None stands for one not given."""
 
-    vlm: Annotated[str | None, Parameter(help=f"Model that proposes and labels: {MODEL_FORMS} [default: offline].")] = None
+    vlm: Annotated[str | None, Parameter(help=f"Model that proposes and labels: {MODEL_FORMS} [default: offline].")] = (
+        None
+    )
     answers: Annotated[Path | None, Parameter(help="Answer store to share between runs [default: OUT].")] = None
     mode: Annotated[
         StoreMode | None,
@@ -56,7 +58,9 @@ class AskingOptions:
     concurrent: Annotated[int | None, Parameter(help="Requests under way at once.", validator=WORKERS)] = None
     max_wait: Annotated[
         float | None,
-        Parameter(help="Longest seconds to wait for a server that asks to [default: 600].", validator=between(0, 86_400)),
+        Parameter(
+            help="Longest seconds to wait for a server that asks to [default: 600].", validator=between(0, 86_400)
+        ),
     ] = None
     longest_side: Annotated[
         int | None,
