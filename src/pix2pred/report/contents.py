@@ -14,7 +14,7 @@ from pix2pred.predicates import Corrections, ground_atoms
 from pix2pred.predicates.correction_rows import Row, read_rows
 from pix2pred.predicates.corrections import with_atoms
 from pix2pred.predicates.labelling.evidence import Evidence, load_evidence
-from pix2pred.runs import addresses
+from pix2pred.runs.addresses import stores_of_pictures
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import (
     ADVICE,
@@ -105,10 +105,7 @@ class Contents:
     @property
     def blobs(self) -> tuple[Path, ...]:
         """Folders that may hold the pictures, by digest: of the run's answers, and of those it replays."""
-        answers = self.config.get("answers")
-        replayed = addresses.folder_of(addresses.reached(str(self.config.get("vlm", "")), self.folder))
-        stores = [Path(answers) if answers else self.folder, *([replayed] if replayed else [])]
-        return tuple(store / "blobs" for store in stores)
+        return tuple(store / "blobs" for store in stores_of_pictures(self.folder, self.config))
 
 
 def load_contents(run: RunFolder) -> Contents:

@@ -7,7 +7,9 @@ before kept it as it was typed; where that leads nowhere from the run, it is tri
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 _WITH_FOLDER = ("replay", "mailbox")
 
@@ -38,6 +40,13 @@ def folder_of(spec: str) -> Path | None:
     """The folder that a name of a model holds, if it holds one."""
     _, folder = _parts(spec)
     return Path(folder) if folder else None
+
+
+def stores_of_pictures(run: Path, config: Mapping[str, Any]) -> tuple[Path, ...]:
+    """Answer stores that may hold the pictures of a run with this configuration, the run itself last."""
+    answers = config.get("answers")
+    replayed = folder_of(reached(str(config.get("vlm", "")), run))
+    return (*([Path(answers)] if answers else []), *([replayed] if replayed else []), run)
 
 
 def _resolved(spec: str, run: Path) -> tuple[str, Path | None]:

@@ -11,10 +11,12 @@ from pix2pred.learning.samplers.file import dump_samplers
 from pix2pred.pipeline import Asked, LearningProblem, Selected
 from pix2pred.planning.pddl.write import write_domain
 from pix2pred.predicates import Proposal, dump_evidence
+from pix2pred.runs.addresses import stores_of_pictures
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import (
     ADVICE,
     AS_SAID,
+    CONFIG,
     EVIDENCE,
     GAPS,
     HISTORY,
@@ -27,6 +29,7 @@ from pix2pred.runs.layout import (
 )
 from pix2pred.structs.formats.world_model import dump_model
 from pix2pred.structs.samplers import Sampler
+from pix2pred.vlm import AnswerStore
 
 
 def save_proposals(run: RunFolder, proposals: Sequence[Proposal]) -> None:
@@ -41,6 +44,7 @@ def save_asked(run: RunFolder, problem: LearningProblem, asked: Asked) -> None:
     run.write(AS_SAID, dump_traces(problem.vocabulary, labelling.table, problem.settings.learning.model_dump()))
     run.write(EVIDENCE, dump_evidence(problem.demos, labelling))
     run.write_json(GAPS, [asdict(gap) for gap in labelling.gaps])
+    _keep_pictures(run, problem)
 
 
 def save_selected(
@@ -63,6 +67,16 @@ def save_selected(
         run.write_bytes(SAMPLERS, dump_samplers(samplers))
     run.write_json(f"{HISTORY}/{corrections:05d}.json", {"version": 1, "corrections": corrections} | document)
     run.write_json(ADVICE, advice_document(advice))
+
+
+def _keep_pictures(run: RunFolder, problem: LearningProblem) -> None:
+    """Keep the demonstrations' pictures that no store of the run has: replayed answers may come without theirs."""
+    config = run.config() if (run.path / CONFIG).exists() else {}
+    stores = [AnswerStore(folder) for folder in stores_of_pictures(run.path, config)]
+    for demo in problem.demos:
+        for image in (picture.image for state in demo.states for picture in state.pictures):
+            if not any(store.blob(image.digest).exists() for store in stores):
+                AnswerStore(run.path).keep_picture(image)
 
 
 def _proposal_doc(proposal: Proposal) -> dict[str, Any]:

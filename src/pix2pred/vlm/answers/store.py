@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from pix2pred.structs import Image
-from pix2pred.structs.views import View
 from pix2pred.system.files import write_whole
 from pix2pred.vlm.request import Answer, Finish, Request, Spent, Token, VLMError
 
@@ -68,7 +67,7 @@ class AnswerStore:
         """Store an answer and the pictures of its question. Raises ``VLMError`` when that fails."""
         try:
             for view in request.views:
-                self._put_picture(view)
+                self.keep_picture(view.picture.image)
             entry = write_entry(request, model, answer)
             write_whole(self.path(request.key(model)), json.dumps(entry, indent=1).encode())
         except OSError as error:
@@ -94,13 +93,14 @@ class AnswerStore:
         """Where the picture with this digest of its pixels lies."""
         return self.directory / "blobs" / f"{digest}.png"
 
-    def _put_picture(self, view: View) -> None:
-        path = self.blob(view.picture.image.digest)
+    def keep_picture(self, image: Image) -> None:
+        """Write a picture, clean of all but its pixels, unless it is there."""
+        path = self.blob(image.digest)
         if path.exists():
             return
-        encoded = view.picture.image.encoded
+        encoded = image.encoded
         if not _is_bare_png(encoded):
-            encoded = Image.from_pixels(view.picture.image.pixels()).encoded
+            encoded = Image.from_pixels(image.pixels()).encoded
         write_whole(path, encoded)
 
     def path(self, key: str) -> Path:
