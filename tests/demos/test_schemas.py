@@ -71,5 +71,5 @@ def test_what_is_wrong_is_found_by_the_schema_too(kind: str, text: str) -> None:
 
 def test_schemas_are_written_as_files(tmp_path: Path) -> None:
     assert {p.name for p in write_schemas(tmp_path / "new")} == {
-        "domain.schema.json", "demo.schema.json", "task.schema.json", "import.schema.json",
+        "domain.schema.json", "demo.schema.json", "task.schema.json", "import.schema.json", "traces.schema.json",
     }  # fmt: skip

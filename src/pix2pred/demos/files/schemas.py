@@ -1,4 +1,4 @@
-"""JSON Schemas of the files a person writes, so that editors complete and check them."""
+"""JSON Schemas of the files a person or another program writes, so that editors complete and check them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from pix2pred.demos.files.documents import DemoDoc, DomainDoc, FileDoc, TaskDoc
 from pix2pred.demos.files.sidecar import ImportDoc
+from pix2pred.structs.formats.traces import TracesDoc
 from pix2pred.system.files import write_whole
 
 SCHEMAS = "schemas"
@@ -20,9 +21,11 @@ _DOCUMENTS: dict[str, type[FileDoc]] = {"domain": DomainDoc, "demo": DemoDoc, "t
 
 def json_schemas() -> dict[str, dict[str, Any]]:
     """The schema of each kind of file, by file name: ``domain.schema.json`` is that of ``domain.yaml``."""
+    written = {f"{kind}.yaml": document.model_json_schema() for kind, document in _DOCUMENTS.items()}
+    written["traces.json"] = TracesDoc.model_json_schema()
     return {
-        f"{kind}.schema.json": {"$schema": DIALECT, **document.model_json_schema(), "title": f"pix2pred {kind}.yaml"}
-        for kind, document in _DOCUMENTS.items()
+        f"{name.partition('.')[0]}.schema.json": {"$schema": DIALECT, **schema, "title": f"pix2pred {name}"}
+        for name, schema in written.items()
     }
 
 
