@@ -23,7 +23,7 @@ from pix2pred.execution import Solver
 from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY
-from pix2pred.settings import Layer, of_project, resolve
+from pix2pred.settings import Layer, resolve
 from pix2pred.vlm import VLM, Answer, Purpose, Request
 from pix2pred.vlm.control.estimate import EstimatingVLM
 from pix2pred.vlm.noise.flips import FlippingVLM
@@ -85,11 +85,12 @@ def run(
     """The figures of one family and seed."""
     name = FAMILIES[family]
     domain = REGISTRY.domain(name)
-    settings = resolve(of_project(domain.settings(family)), Layer(PROTOCOLS[protocol], protocol), *given)
+    settings = resolve(
+        Layer({"learning": dict(domain.settings(family))}, "the domain"), Layer(PROTOCOLS[protocol], protocol), *given
+    )
     reader = REGISTRY.vlm("offline", name)
     answering = FlippingVLM(reader, flip, seed) if flip else reader
-    provider, _, priced = model.partition(":")
-    counting = EstimatingVLM(Unstored(answering), provider, priced)  # type: ignore[arg-type]
+    counting = EstimatingVLM(Unstored(answering), REGISTRY.model_spec(model).rates)  # type: ignore[arg-type]
     chains = Chains(counting)
     learned = learn(LearningProblem(domain.vocabulary(family), domain.demonstrations(family, seed), chains, settings))
     longest = chains.longest

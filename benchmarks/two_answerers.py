@@ -24,7 +24,7 @@ from pix2pred.execution import Solver
 from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY
-from pix2pred.settings import Layer, of_project, resolve
+from pix2pred.settings import Layer, resolve
 from pix2pred.vlm import Answer, Purpose, Request
 from pix2pred.vlm.offline.prompt_format import (
     KnownWord,
@@ -170,7 +170,7 @@ def run(seed: int, count: int) -> dict[str, int]:
         for state, world in zip(demo.states, demonstration_worlds(family, index, seed), strict=True):
             worlds[state.pictures[0].image.digest] = world
     chosen = Layer({"labels": {"protocol": "frugal"}, "learning": {"operators": "robust"}}, "the benchmark")
-    settings = resolve(of_project(domain.settings(FAMILY)), chosen)
+    settings = resolve(Layer({"learning": dict(domain.settings(FAMILY))}, "the domain"), chosen)
     solved = {}
     for tells in (False, True):
         first = Answerer(worlds, Side.LABELS, tells)

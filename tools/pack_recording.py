@@ -19,7 +19,7 @@ from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import Labeller
 from pix2pred.recordings.archive import pack_folder
 from pix2pred.recordings.recording import ANSWERS, DATA, load_recording
-from pix2pred.registry import load_planner
+from pix2pred.registry import REGISTRY
 from pix2pred.settings import of_file, of_project, resolve
 from pix2pred.vlm import Answer, AnswerStore, Request, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import replayed
@@ -47,11 +47,11 @@ def main() -> None:
     arguments = parser.parse_args()
     recording = load_recording(arguments.name)
     project = read_project(arguments.data)
-    settings = resolve(of_project(project.learning), *([of_file(recording.settings)] if recording.settings else []))
+    settings = resolve(of_project(project.sections), *([of_file(recording.settings)] if recording.settings else []))
     store = AnswerStore(arguments.answers)
     model = Noting(store)
     learned = learn(LearningProblem(project.vocabulary, project.demos, model, settings))
-    solver = Solver(learned.model, load_planner("portfolio"), Labeller(model, settings.labels))
+    solver = Solver(learned.model, REGISTRY.planner("portfolio"), Labeller(model, settings.labels))
     for stored in read_tasks(arguments.data, project.vocabulary):
         _, found = solver.plan(stored.task)
         print(stored.task.name, found.status, len(found.plan))
