@@ -80,12 +80,22 @@ def of_kind(simulator: Mapping[str, str] | None) -> Layer:
     return Layer({"learning": {"lift_types": True}} if simulator is None else {}, "settings")
 
 
-def as_begun(settings: Settings, written: object) -> Settings:
-    """``settings`` for a run whose file says ``written``: begun without lifting types, it goes on without."""
-    learning = written.get("learning") if isinstance(written, Mapping) else None
-    if not isinstance(learning, Mapping) or "lift_types" in learning:
-        return settings
-    return settings.model_copy(update={"learning": settings.learning.model_copy(update={"lift_types": False})})
+_DEFAULTS_OF_0_1: Mapping[str, Mapping[str, Any]] = {
+    "learning": {"operators": "cluster-and-intersect", "lift_types": False},
+    "labels": {"protocol": "published"},
+}
+
+
+def as_begun(config: Mapping[str, Any]) -> Layer:
+    """The defaults with which the run of this ``config.yaml`` was begun: runs of version 0.1 go on as they were."""
+    labels = dict(config.get("settings") or {}).get("labels") or {}
+    return Layer({} if "protocol" in labels else _DEFAULTS_OF_0_1, "the defaults of version 0.1")
+
+
+def default_of(key: str) -> Any:
+    """The default of a setting by its dotted name, as files hold it; None when there is no such setting."""
+    section, _, name = key.partition(".")
+    return dict(Settings().model_dump(mode="json").get(section) or {}).get(name)
 
 
 def of_options(section_and_name: Mapping[tuple[str, str], Any]) -> Layer:

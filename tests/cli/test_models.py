@@ -232,8 +232,8 @@ def test_a_useless_model_is_stopped_with_the_count_and_two_examples(
 HOPELESS = {
     "nothing listens": ("openai-compatible:tiny@http://127.0.0.1:9/v1", "is the address right"),
     "a key in the address": ("openai-compatible:tiny@http://me:secret@localhost/v1", "put the key into"),
-    "no address": ("openai-compatible:tiny", "write openai-compatible:MODEL@URL"),
-    "no provider": ("gpt-4o", "is not one of offline"),
+    "no address": ("openai-compatible:tiny", "is not openai-compatible:MODEL@URL"),
+    "no provider": ("gpt-4o", "is not one of openai:MODEL"),
     "no key": ("openai:gpt-4o", "set the environment variable OPENAI_API_KEY"),
     "no store": ("replay:nowhere", "holds no answers to replay"),
 }

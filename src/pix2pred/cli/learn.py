@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -130,9 +131,8 @@ def learn(
         if any(out.resolve().is_relative_to((folder / part).resolve()) for part in ("demos", "tasks")):
             raise UsageError(f"--out {out}: lies among the demonstrations and tasks; choose a folder of its own")
     project = join_projects(data, [read_project(folder) for folder in data])
-    settings = project_settings(project, *([of_file(config)] if config else []), options.settings)
-    if (out / CONFIG).is_file():
-        settings = as_begun(settings, RunFolder(out).config().get("settings"))
+    begun = [as_begun(RunFolder(out).config())] if (out / CONFIG).is_file() else []
+    settings = project_settings(project, *([of_file(config)] if config else []), options.settings, begun=begun)
     asking = options.asking
     if dry_run:
         estimate = estimated(registry, project, settings, asking.vlm, AnswerStore(asking.answers or out))
@@ -194,9 +194,12 @@ def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:
         print_learned(learned.metrics, learned.selected.model.operators)
 
 
-def project_settings(project: Project, *layers: Layer) -> Settings:
-    """Defaults, overridden by the project's ``learning`` section and then by ``layers``. Raises ``SettingsError``."""
-    return resolve(of_kind(project.simulator), of_project(project.sections), *layers)
+def project_settings(project: Project, *layers: Layer, begun: Sequence[Layer] = ()) -> Settings:
+    """Defaults, or those of a run that was ``begun``, overridden by the project's own and then by ``layers``.
+
+    Raises ``SettingsError``.
+    """
+    return resolve(of_kind(project.simulator), *begun, of_project(project.sections), *layers)
 
 
 def estimated(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> dict[str, Any]:

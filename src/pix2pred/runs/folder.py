@@ -18,6 +18,7 @@ import yaml
 
 from pix2pred.runs import addresses
 from pix2pred.runs.layout import CONFIG, CORRECTIONS, LOCK
+from pix2pred.settings import default_of
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.files import refuse_irregular, remove_abandoned, write_whole
 from pix2pred.system.locks import LockedError, held
@@ -54,6 +55,12 @@ def differences(then: Mapping[str, Any], now: Mapping[str, Any], prefix: str = "
         elif a != b:
             found.append(Difference(f"{prefix}{key}", a, b))
     return found
+
+
+def _came_later(difference: Difference) -> bool:
+    """Whether it is a setting that did not exist yet, and has its default now."""
+    section, _, key = difference.key.partition(".")
+    return section == "settings" and difference.then is None and difference.now == default_of(key)
 
 
 def _brief(value: Any) -> str:
@@ -104,7 +111,7 @@ class RunFolder:
             return
         found = self.config()
         remove_abandoned(self.path)
-        different = [d for d in differences(found, yaml.safe_load(text)) if not self._same_model(d)]
+        different = [d for d in differences(found, yaml.safe_load(text)) if not (self._same_model(d) or _came_later(d))]
         if different:
             keys = sorted({d.key.partition(".")[0] for d in different})
             listed = "; ".join(str(d) for d in different[:_SHOWN]) + ("; ..." if len(different) > _SHOWN else "")
