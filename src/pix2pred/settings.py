@@ -88,8 +88,10 @@ _DEFAULTS_OF_0_1: Mapping[str, Mapping[str, Any]] = {
 
 def as_begun(config: Mapping[str, Any]) -> Layer:
     """The defaults with which the run of this ``config.yaml`` was begun: runs of version 0.1 go on as they were."""
-    labels = dict(config.get("settings") or {}).get("labels") or {}
-    return Layer({} if "protocol" in labels else _DEFAULTS_OF_0_1, "the defaults of version 0.1")
+    settings = config.get("settings")
+    labels = settings.get("labels") if isinstance(settings, Mapping) else None
+    is_newer = not isinstance(labels, Mapping) or "protocol" in labels
+    return Layer({} if is_newer else _DEFAULTS_OF_0_1, "the defaults of version 0.1")
 
 
 def default_of(key: str) -> Any:

@@ -203,7 +203,7 @@ def test_settings_that_learning_would_refuse_are_a_problem(cli: Cli, tmp_path: P
 
 
 def test_schemas_are_printed_or_written(cli: Cli, tmp_path: Path) -> None:
-    assert set(cli("schema").json) == {f"{kind}.schema.json" for kind in ("domain", "demo", "task", "import")}
+    assert set(cli("schema").json) == {f"{kind}.schema.json" for kind in ("domain", "demo", "task", "import", "traces")}
     assert cli("schema", "--out", tmp_path).code == 0
     assert json.loads((tmp_path / "demo.schema.json").read_text())["title"] == "pix2pred demo.yaml"
 
