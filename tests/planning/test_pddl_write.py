@@ -123,7 +123,7 @@ def test_unified_planning_reads_exports() -> None:
 
 @need("pyperplan", extra="planners")
 def test_pyperplan_reads_exports(tmp_path: Path) -> None:
-    from pyperplan.pddl.parser import Parser  # type: ignore[import-untyped]
+    from pyperplan.pddl.parser import Parser
 
     for seed in range(12):
         model, objects, initial, goal = random_model(seed)

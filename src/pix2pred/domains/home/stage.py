@@ -10,16 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.domains.home.drawing import fixtures, vessels
-from pix2pred.domains.home.drawing.bodies import (
-    camera_axes,
-    eyes,
-    gaze_angles,
-    hand_frame,
-    make_person,
-    make_robot,
-    quaternion,
-)
+from pix2pred.domains.home.drawing import bodies, fixtures, vessels
 from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.movables import FRUIT_COLOUR, KINDS
 from pix2pred.domains.home.drawing.room import furnish
@@ -46,9 +37,9 @@ class Stage:
         maker = Maker()
         furnish(maker, world.room, world.style)
         if world.body is Body.HUMAN:
-            make_person(maker)
+            bodies.make_person(maker)
         else:
-            make_robot(maker)
+            bodies.make_robot(maker)
         for thing in world.things:
             _make(maker, thing)
         self.model = maker.compiled()
@@ -175,12 +166,12 @@ class Stage:
 
     def _person(self, world: World) -> None:
         target = gaze_point(world)
-        eye = eyes(target)
-        yaw, pitch = gaze_angles(target, eye)
-        self.move_fixture("head", eye, quaternion(camera_axes(yaw, pitch, 0)))
+        eye = bodies.eyes(target)
+        yaw, pitch = bodies.gaze_angles(target, eye)
+        self.move_fixture("head", eye, bodies.quaternion(bodies.camera_axes(yaw, pitch, 0)))
         held = world.thing(world.holding) if world.holding else None
-        where, axes = hand_frame(eye, yaw, pitch, (0.17, 0.18, 0.52) if held else (0.28, 0.31, 0.52))
-        self.move_fixture("hand", _vector(where), quaternion(axes))
+        where, axes = bodies.hand_frame(eye, yaw, pitch, (0.17, 0.18, 0.52) if held else (0.28, 0.31, 0.52))
+        self.move_fixture("hand", _vector(where), bodies.quaternion(axes))
         if held:
             reach = 0.115 if held.kind in vessels.VESSELS else 0.075
             below = where + axes @ np.array([reach, 0.0, -0.045])
