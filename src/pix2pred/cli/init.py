@@ -40,6 +40,7 @@ _QUESTIONS = (
 )
 
 
+# Longer than others: every option is a line, with its help.
 def init(
     directory: Path,
     /,

@@ -34,6 +34,7 @@ _NO_PLAN = {
 }
 
 
+# Longer than others: every option is a line, with its help.
 def plan(
     run: Annotated[Path, Parameter(help="Run folder, as made by learn.")],
     /,

@@ -32,6 +32,7 @@ from pix2pred.system.parallel import Backend, Workers
 DEFAULTS = LearningSettings()
 
 
+# Longer than others: every option is a line, with its help.
 def select(
     file: Annotated[Path, Parameter(help="Traces file: labelled demonstrations, .json or .json.gz.")],
     /,

@@ -24,6 +24,7 @@ from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
 
 
+# Longer than others: every option is a line, with its help.
 def solve(
     run: Annotated[Path, Parameter(help="Run folder, as made by learn.")],
     /,

@@ -141,6 +141,7 @@ def _stop(program: subprocess.Popen[bytes]) -> None:
             program.kill()
 
 
+# Longer than others: one numbering of types, predicates and objects serves all parts of the task.
 def _numbered(
     operators: Sequence[Operator],
     objects: Sequence[Object],

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pix2pred.predicates.labelling.evidence import PictureDoc
 from pix2pred.report.contents import Contents
 from pix2pred.report.pictures import Album
 from pix2pred.report.sections.attention import Suspicion
@@ -55,19 +56,7 @@ def tables(
                 "labels": [labels[a] for a in atoms],
                 "said": {i: o for i, a in enumerate(atoms) if (o := original.get(a, blank)) != labels[a]},
                 "why": {i: known.why[str(a)] for i, a in enumerate(atoms) if known and str(a) in known.why},
-                "states": [
-                    [
-                        {
-                            "camera": p.camera,
-                            "picture": album.number(p.digest),
-                            "size": p.size,
-                            "boxes": p.boxes,
-                            "crop": p.crop,
-                        }
-                        for p in pictures
-                    ]
-                    for pictures in (known.states if known else ())
-                ],
+                "states": [[_picture(p, album) for p in pictures] for pictures in (known.states if known else ())],
             }
         )
     return {
@@ -75,6 +64,16 @@ def tables(
         "demos": demos,
         "explanations": list(contents.evidence.explanations),
         "suspicions": [s.as_dict() for s in suspicions],
+    }
+
+
+def _picture(picture: PictureDoc, album: Album) -> dict[str, Any]:
+    return {
+        "camera": picture.camera,
+        "picture": album.number(picture.digest),
+        "size": picture.size,
+        "boxes": picture.boxes,
+        "crop": picture.crop,
     }
 
 
