@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from pix2pred.structs import GroundOperator, LabelledDemo, LiftedAtom, Operator, WorldModel
+from pix2pred.structs.plans import changes
+
+_MADE = {True: "becomes true", False: "becomes false"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +38,7 @@ class Climbed:
 
 def concerns(model: WorldModel, demos: Sequence[LabelledDemo], climbed: Climbed) -> tuple[Concern, ...]:
     """What is wrong with ``model``, learned from ``demos``; the worst first. Empty when nothing stands out."""
-    found = (*_of_goals(model, demos), *_of_operators(model, demos))
+    found = (*_of_goals(model, demos), *_of_operators(model, demos), *_of_labels(model, demos))
     return (*_of_selection(model, climbed, useful=not found), *found)
 
 
@@ -97,6 +101,35 @@ def _of_operators(model: WorldModel, demos: Sequence[LabelledDemo]) -> Iterable[
             yield Concern(
                 f"{op.skill.name} ({op.name}) needs nothing: plans use it at any time, also where it cannot work.",
                 "No selected predicate tells when it may be used.",
+            )
+
+
+def _of_labels(model: WorldModel, demos: Sequence[LabelledDemo]) -> Iterable[Concern]:
+    """Operators of which most transitions end, by their labels, without one of the effects."""
+    from pix2pred.learning import operator_support  # here, because commands that judge no model do without learning
+
+    narrow = [demo.restricted(model.predicates) for demo in demos]
+    states = {demo.name: demo.abstract_states() for demo in narrow}
+    objects = {demo.name: {o.name: o for o in demo.objects} for demo in narrow}
+    fitting = [s for s in operator_support(model.operators, narrow) if s.verdict != s.verdict.UNMET]
+    for op in model.operators:
+        mine = [s for s in fitting if s.operator == op.name]
+        broken: Counter[str] = Counter()
+        for s in mine:
+            ground = op.ground(tuple(objects[s.demo][name] for name in s.binding))
+            after = states[s.demo][s.step + 1]
+            broken.update(
+                {
+                    f"{c.atom.predicate.name} {_MADE[c.holds]}"
+                    for c in changes(ground.add - after, ground.delete & after)
+                }
+            )
+        worst, count = max(broken.items(), key=lambda item: (item[1], item[0]), default=("", 0))
+        if 2 * count > len(mine):
+            yield Concern(
+                f"{op.skill.name} ({op.name}) is at odds with its pictures: its effect {worst} is not labelled "
+                f"after {count} of the {len(mine)} times it was executed.",
+                "If these labels are right, learn with 'operators: cluster-and-intersect', which believes them.",
             )
 
 
