@@ -76,7 +76,10 @@ class RunFolder:
 
     @contextmanager
     def locked(self) -> Iterator[RunFolder]:
-        """Hold the folder for this process. Raises ``RunFolderError`` when another one works in it."""
+        """Hold the folder for this process; what a killed one had begun to write is removed.
+
+        Raises ``RunFolderError`` when another process works in it.
+        """
         try:
             self.path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -91,6 +94,7 @@ class RunFolder:
                 raise RunFolderError(f"{self.path}: another process is working in this run folder") from error
             except OSError as error:
                 raise RunFolderError(f"{error.filename}: {error.strerror}") from error
+            remove_abandoned(self.path)
             try:
                 yield self
             except RunFolderError:
@@ -110,7 +114,6 @@ class RunFolder:
             self.write(CONFIG, text)
             return
         found = self.config()
-        remove_abandoned(self.path)
         different = [d for d in differences(found, yaml.safe_load(text)) if not (self._same_model(d) or _came_later(d))]
         if different:
             keys = sorted({d.key.partition(".")[0] for d in different})

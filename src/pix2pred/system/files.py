@@ -7,10 +7,14 @@ import os
 import re
 import stat
 import threading
+import time
 from pathlib import Path
 
 _TEMPORARY = re.compile(r"^\..+\.(\d{1,9})\.\d+\.part$")
 """``.NAME.PROCESS.THREAD.part``: a file being written."""
+
+_BEGAN = time.time()
+"""When this process began, in seconds since 1970: what bears its number and is older is another's."""
 
 _KINDS = {stat.S_ISLNK: "a link", stat.S_ISDIR: "a folder", stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket"}
 
@@ -21,7 +25,7 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises ``OSError`` that names ``path``.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.part")
+    temporary = _temporary(path)
     try:
         temporary.unlink(missing_ok=True)  # of a process that had our number and was killed
         with temporary.open("xb") as file:
@@ -31,6 +35,21 @@ def write_whole(path: Path, content: bytes) -> None:
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def check_writable(folder: Path) -> None:
+    """Make ``folder`` where it is missing and raise ``OSError`` when no file can be written into it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    probe = _temporary(folder / "probe")
+    try:
+        probe.write_bytes(b"")
+    finally:
+        probe.unlink(missing_ok=True)
+
+
+def _temporary(path: Path) -> Path:
+    """Where this thread writes what is to become ``path``."""
+    return path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.part")
 
 
 def refuse_irregular(path: Path) -> None:
@@ -55,8 +74,14 @@ def remove_abandoned(folder: Path) -> None:
     """Remove what processes that have ended had begun to write below ``folder``."""
     for path in folder.rglob(".*.part"):
         match = _TEMPORARY.match(path.name)
-        if match and path.is_file() and not _is_running(int(match[1])):
+        if match and path.is_file() and _is_abandoned(path, int(match[1])):
             path.unlink(missing_ok=True)
+
+
+def _is_abandoned(path: Path, process: int) -> bool:
+    if process == os.getpid():  # in a container, every process may have the number of the one before
+        return path.stat().st_mtime < _BEGAN
+    return not _is_running(process)
 
 
 def _is_running(process: int) -> bool:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from pix2pred.structs import Image
-from pix2pred.system.files import write_whole
+from pix2pred.system.files import check_writable, remove_abandoned, write_whole
 from pix2pred.vlm.request import Answer, Finish, Request, Spent, Token, VLMError
 
 VERSION = 1
@@ -40,11 +40,10 @@ class AnswerStore:
                 raise VLMError(f"{folder}: is a file, not a folder of answers")
 
     def check_writable(self) -> None:
-        """Raise ``VLMError`` when nothing can be written into the folder."""
-        probe = self.directory / "answers" / ".writable"
+        """Rid the folder of what killed processes left. Raises ``VLMError`` when nothing can be written into it."""
         try:
-            write_whole(probe, b"")
-            probe.unlink(missing_ok=True)
+            check_writable(self.directory / "answers")
+            remove_abandoned(self.directory)
         except OSError as error:
             raise VLMError(
                 f"{self.directory}: answers cannot be stored here ({error.strerror}); nothing was asked, because an "
