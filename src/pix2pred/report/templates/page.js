@@ -215,7 +215,7 @@ function show(d, row, t) {
   const { panel } = page.tables.get(d), demo = data.demos[d], p = data.predicates[demo.atoms[row][0]];
   const value = page.label(d, row, t), said = page.said(d, row, t), doubt = doubted.get(`${d} ${row} ${t}`);
   panel.replaceChildren();
-  panel.append(el("h4", {}, page.atomText(d, row)));
+  panel.append(el("h3", {}, page.atomText(d, row)));
   const [cls, , word] = VALUE[value];
   panel.append(el("p", { class: "value" }, el("span", { class: `badge ${cls === "t" ? "yes" : cls === "f" ? "no" : ""}` }, word), ` in state ${t}`));
   if (value !== said) panel.append(el("p", { class: "dim" }, `Corrected; the model said ${VALUE[said][2]}.`));
@@ -229,7 +229,7 @@ function show(d, row, t) {
 }
 function showState(d, t) {
   const { panel } = page.tables.get(d), demo = data.demos[d];
-  panel.replaceChildren(el("h4", {}, `${demo.name}, state ${t}`),
+  panel.replaceChildren(el("h3", {}, `${demo.name}, state ${t}`),
     el("p", { class: "dim" }, t ? `after ${demo.actions[t - 1].text}` : "before the first skill"));
   pictures(panel, d, t, t ? demo.actions[t - 1].objects.map((o) => demo.objects[o][0]) : demo.objects.map((o) => o[0]));
   mark(d, t);
