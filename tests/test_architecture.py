@@ -41,8 +41,9 @@ MAY_IMPORT |= {
     "approaches": WITH_SETTINGS | {"pipeline"},
     "benchmark": ABOVE_THE_PIPELINE | {"runs"},
     "registry": LOWER | {"pipeline", "approaches", "domains"},
+    "serving": WITH_SETTINGS | {"runs"},
     "api": WITH_SETTINGS | {"pipeline", "runs", "report", "registry"},
-    "cli": ABOVE_THE_PIPELINE | {"runs", "api", "registry", "report", "review", "benchmark", "recordings"},
+    "cli": ABOVE_THE_PIPELINE | {"runs", "api", "registry", "report", "review", "serving", "benchmark", "recordings"},
 }
 MAY_IMPORT = {room: allowed | {"system"} for room, allowed in MAY_IMPORT.items()}
 MOST_FILES = 14

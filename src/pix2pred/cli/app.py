@@ -35,6 +35,7 @@ _VERBS = (
     "plan_pddl:plan_pddl",
     "validate:validate",
     "doctor:doctor",
+    "mcp:mcp",
 )
 """Module of this folder and function; a verb is imported when it is called, so that the others cost no time."""
 

@@ -121,6 +121,8 @@ def _task(run: RunFolder, model: WorldModel, folder: Path | None, photos: Sequen
         return read_task(folder, model.vocabulary).task
     if not photos:
         raise UsageError("--goal goes with --photo: give the photo of the scene")
+    if not said.goal:
+        raise UsageError("--goal: name at least one atom that is to hold, such as --goal 'On(cup, table)'")
     return photo_task(run, model, photos, said)
 
 

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from pix2pred.cli.console import out as console
 from pix2pred.cli.console import plain, print_json
 from pix2pred.cli.pddl_files import parsed
-from pix2pred.planning.pddl.check import CheckedPlan, CheckedStep, check_plan
+from pix2pred.planning.pddl.check import CheckedStep, check_plan
 from pix2pred.planning.pddl.read import PddlDomain, read_domain, read_problem
 from pix2pred.planning.pddl.steps import read_plan
 
@@ -38,7 +38,7 @@ def validate(
     task = parsed(problem, lambda text: read_problem(text, read))
     checked = check_plan(read, task, parsed(plan, lambda text: read_plan(text, read, task)))
     if json:
-        print_json(_document(checked))
+        print_json(checked.as_dict())
     else:
         for number, step in enumerate(checked.steps, start=1):
             if explain or step.unmet:
@@ -61,21 +61,3 @@ def _print_step(number: int, step: CheckedStep) -> None:
 
 def _say(text: str) -> None:
     console.print(plain(text), markup=False, soft_wrap=True)
-
-
-def _document(checked: CheckedPlan) -> dict[str, object]:
-    return {
-        "valid": checked.valid,
-        "cost": checked.cost,
-        "unmet": list(checked.unmet),
-        "steps": [
-            {
-                "step": str(step.step),
-                "unmet": list(step.unmet),
-                "added": [" ".join(fact) for fact in step.added],
-                "removed": [" ".join(fact) for fact in step.removed],
-                "cost": step.cost,
-            }
-            for step in checked.steps
-        ],
-    }

@@ -33,22 +33,20 @@ def photo_task(run: RunFolder, model: WorldModel, photos: Sequence[Path], said: 
 
     Objects that the demonstrations know need not be named; a new one is ``name:type`` or ``name:type:what it looks
     like``. When objects are named, those of the goal, of the given atoms and the named ones are the whole scene;
-    otherwise all objects of the demonstrations are. Raises ``PhotoTaskError``, or ``PictureError`` for a photo that
-    cannot be read.
+    otherwise all objects of the demonstrations are. Without a goal the scene is there to be described. Raises
+    ``PhotoTaskError``, or ``PictureError`` for a photo that cannot be read.
     """
-    names = DeclaredNames(model.vocabulary.types, model.vocabulary.skills, model.predicates)
+    names = names_of(model)
     known = known_objects(run)
     try:
-        new = [_object(text, names) for text in said.objects if ":" in text]
+        new = [object_in_words(text, names) for text in said.objects if ":" in text]
         known |= {o.name: o for o in new}
-        goal = tuple(_atom(text, names, known) for text in said.goal)
-        given = frozenset(_atom(text, names, known) for text in said.given)
+        goal = tuple(atom_in_words(text, names, known) for text in said.goal)
+        given = frozenset(atom_in_words(text, names, known) for text in said.given)
         named = [look_up("object", text, known) for text in said.objects if ":" not in text]
     except ValueError as error:
         there = ", ".join(f"{o.name} ({o.type.name})" for o in sorted(known.values()))
         raise PhotoTaskError(f"{error}; the demonstrations have {there}") from error
-    if not goal:
-        raise PhotoTaskError("--goal: name at least one atom that is to hold, such as --goal 'On(cup, table)'")
     used = {o for atom in (*goal, *given) for o in atom.objects} | set(named) | set(new)
     objects = tuple(sorted(used if named else set(known.values())))
     cameras = _cameras(run)
@@ -56,6 +54,11 @@ def photo_task(run: RunFolder, model: WorldModel, photos: Sequence[Path], said: 
         raise PhotoTaskError(f"--photo: give {len(cameras)}, one for each of {', '.join(cameras)} in this order")
     pictures = tuple(Picture(c, clean_copy(photo, max_side=None), {}) for c, photo in zip(cameras, photos, strict=True))
     return Task(photos[0].stem, objects, State(pictures, {}, given), goal)
+
+
+def names_of(model: WorldModel) -> DeclaredNames:
+    """The types, skills and predicates that words about scenes of ``model`` may use."""
+    return DeclaredNames(model.vocabulary.types, model.vocabulary.skills, model.predicates)
 
 
 def known_objects(run: RunFolder) -> dict[str, Object]:
@@ -73,12 +76,16 @@ def _cameras(run: RunFolder) -> list[str]:
     return [picture.camera for picture in demos[0].states[0]]
 
 
-def _object(text: str, names: DeclaredNames) -> Object:
-    name, _, rest = text.partition(":")
+def object_in_words(text: str, names: DeclaredNames) -> Object:
+    """The object in ``name:type`` or ``name:type:what it looks like``. Raises ``ValueError`` without a known type."""
+    name, colon, rest = text.partition(":")
+    if not colon:
+        raise ValueError(f"object {text!r}: its type is missing; write name:type")
     kind, _, looks = rest.partition(":")
     return Object(name.strip(), names.type(kind.strip()), looks.strip() or name.strip())
 
 
-def _atom(text: str, names: DeclaredNames, objects: dict[str, Object]) -> Atom:
+def atom_in_words(text: str, names: DeclaredNames, objects: dict[str, Object]) -> Atom:
+    """The atom in ``On(cup, table)``. Raises ``ValueError`` that says what is wrong with it."""
     application = parse_application(text)
     return names.atom(application.name, application.args, objects)

@@ -58,6 +58,24 @@ class CheckedPlan:
         """Whether every step can be executed when its turn comes, and the goal holds at the end."""
         return not self.unmet and not any(step.unmet for step in self.steps)
 
+    def as_dict(self) -> dict[str, object]:
+        """The same as a JSON document: facts as ``predicate object ...``."""
+        return {
+            "valid": self.valid,
+            "cost": self.cost,
+            "unmet": list(self.unmet),
+            "steps": [
+                {
+                    "step": str(step.step),
+                    "unmet": list(step.unmet),
+                    "added": [" ".join(fact) for fact in step.added],
+                    "removed": [" ".join(fact) for fact in step.removed],
+                    "cost": step.cost,
+                }
+                for step in self.steps
+            ],
+        }
+
 
 def check_plan(domain: PddlDomain, problem: PddlProblem, plan: Iterable[PddlStep]) -> CheckedPlan:
     """Execute ``plan`` and say what happens."""
