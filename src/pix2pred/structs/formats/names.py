@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from pix2pred.structs.formats.documents import ObjectDoc
 from pix2pred.structs.objects import Object, Type, Variable
 from pix2pred.structs.predicates import Atom, LiftedAtom, Predicate
 from pix2pred.structs.skills import Action, Skill
 from pix2pred.system.errors import Pix2predError
+
+if TYPE_CHECKING:
+    from pix2pred.structs.formats.documents import ObjectDoc  # the checking library is slow to import
 
 T = TypeVar("T")
 
