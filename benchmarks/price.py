@@ -37,7 +37,17 @@ FAMILIES = {
     "more-stacks": "burger", "bigger": "burger", "combo": "burger", "boil": "kitchen", "three-cups": "coffee",
 }  # fmt: skip
 IN_ORDER = (Purpose.LABEL, Purpose.DOUBLE_CHECK, Purpose.HISTORY)
-SUMMED = ("dollars", "questions", "pictures", "atoms", "input_tokens", "output_tokens", "solved", "tasks")
+SUMMED = (
+    "dollars",
+    "questions",
+    "pictures",
+    "atoms",
+    "input_tokens",
+    "cached_tokens",
+    "output_tokens",
+    "solved",
+    "tasks",
+)
 
 
 @dataclass
@@ -102,7 +112,8 @@ def run(
     return {
         "protocol": protocol, "family": family, "seed": seed, "flip": flip,
         "dollars": spent["dollars"], "questions": spent["queries"], "pictures": spent["pictures"],
-        "atoms": spent["atoms"], "input_tokens": spent["input_tokens"], "output_tokens": spent["output_tokens"],
+        "atoms": spent["atoms"], "input_tokens": spent["input_tokens"],
+        "cached_tokens": spent["cached_tokens"], "output_tokens": spent["output_tokens"],
         "solved": solved, "tasks": len(tasks), "chain": longest,
         "selected": [p.name for p in learned.model.selected],
     }  # fmt: skip

@@ -348,10 +348,10 @@ def test_a_store_that_cannot_be_written_stops_before_anything_is_asked(
 ) -> None:
     import pix2pred.vlm.answers.store
 
-    def refuse(path: Path, content: bytes) -> None:  # a folder without rights would not stop a test that is root
-        raise PermissionError(13, "Permission denied", str(path))
+    def refuse(folder: Path) -> None:  # a folder without rights would not stop a test that is root
+        raise PermissionError(13, "Permission denied", str(folder))
 
-    monkeypatch.setattr(pix2pred.vlm.answers.store, "write_whole", refuse)
+    monkeypatch.setattr(pix2pred.vlm.answers.store, "check_writable", refuse)
     ran = cli(
         "learn",
         lamps,

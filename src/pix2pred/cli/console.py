@@ -151,7 +151,7 @@ def print_solved(summary: Mapping[str, Any]) -> None:
 def print_estimated(estimate: Mapping[str, Any]) -> None:
     """What a run would ask, stage by stage, and in all."""
     table = Table(title=f"What would be asked of {escape(estimate['model'])}", title_justify="left", box=None)
-    fields = ("queries", "from_store", "pictures", "atoms", "input_tokens", "output_tokens")
+    fields = ("queries", "from_store", "pictures", "atoms", "input_tokens", "cached_tokens", "output_tokens")
     for column in ("stage", *fields, "dollars"):
         table.add_column(column.replace("_", " "), justify="left" if column == "stage" else "right")
     for stage, row in [*estimate["stages"].items(), ("in all", estimate)]:
@@ -160,4 +160,8 @@ def print_estimated(estimate: Mapping[str, Any]) -> None:
     out.print(table)
     if estimate["assumed_predicates"]:
         out.print("The proposals are not known yet: atoms, tokens and cost of labelling rest on an assumed proposal.")
+    if estimate["cached_tokens"]:
+        out.print(
+            "Cached tokens cost less where questions follow closely on one another; the dollars are without that."
+        )
     out.print("Tokens are estimated from the length of the texts; nothing was sent.")

@@ -68,6 +68,10 @@ class Rates(Protocol):
         """Tokens the model may think about one question before it speaks."""
         ...
 
+    def cached_tokens(self, repeated: int) -> int:
+        """How many of the first ``repeated`` input tokens, sent before in the same order, are read from a cache."""
+        ...
+
     def dollars(self, input_tokens: int, output_tokens: int) -> float | None:
         """US dollars; ``None`` where the price is not known."""
         ...

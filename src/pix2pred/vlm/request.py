@@ -127,12 +127,16 @@ class Token:
 
 @dataclass(frozen=True, slots=True)
 class Spent:
-    """What an answer took: tokens as the provider counts them, US dollars (``None``: unknown) and seconds."""
+    """What an answer took: tokens as the provider counts them, US dollars (``None``: unknown) and seconds.
+
+    ``cached_tokens`` are those of the input that the provider read from its prompt cache, at a lower price.
+    """
 
     input_tokens: int = 0
     output_tokens: int = 0
     dollars: float | None = None
     seconds: float = field(default=0.0, compare=False)
+    cached_tokens: int = 0
 
 
 @dataclass(frozen=True, slots=True)

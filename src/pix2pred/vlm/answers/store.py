@@ -131,6 +131,8 @@ def write_entry(request: Request, model: str, answer: Answer) -> dict[str, Any]:
     spent = answer.spent
     if spent.input_tokens or spent.output_tokens:
         entry["tokens"] = [spent.input_tokens, spent.output_tokens]
+    if spent.cached_tokens:
+        entry["cached"] = spent.cached_tokens
     if spent.dollars is not None:
         entry["dollars"] = spent.dollars
     if answer.tokens:
@@ -149,7 +151,12 @@ def read_entry(entry: Any) -> Answer:
         stored=True,
         finish=Finish(entry.get("finish", Finish.COMPLETE)),
         tokens=tuple(_read_token(token) for token in entry.get("logprobs", ())),
-        spent=Spent(_count(given), _count(taken), None if dollars is None else _amount(dollars)),
+        spent=Spent(
+            _count(given),
+            _count(taken),
+            None if dollars is None else _amount(dollars),
+            cached_tokens=_count(entry.get("cached", 0)),
+        ),
     )
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from pix2pred.vlm.answers.stored import StoredVLM
 from pix2pred.vlm.control.guard import Expected
+from pix2pred.vlm.control.repeated import Repeated
 from pix2pred.vlm.model_spec import Rates
 from pix2pred.vlm.offline.prompt_format import (
     asked_atoms,
@@ -37,13 +38,14 @@ _WHY = "It looks as it did before; nothing that happened to it changes this."
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Counts of one purpose."""
+    """Counts of one purpose. ``dollars`` are without ``cached_tokens``: no provider promises what its cache holds."""
 
     queries: int
     from_store: int
     pictures: int
     atoms: int
     input_tokens: int
+    cached_tokens: int
     output_tokens: int
     dollars: float | None
 
@@ -61,6 +63,7 @@ class EstimatingVLM:
         self._rates = rates
         self._thinking = thinking if thinking is not None else rates.thinking_tokens() if rates else 0
         self._counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
+        self._sent: defaultdict[str, list[Request]] = defaultdict(list)
         self._lock = threading.Lock()
 
     def answer(self, request: Request) -> Answer:
@@ -80,18 +83,28 @@ class EstimatingVLM:
                 count["output"] += len(answer.text) // CHARACTERS_PER_TOKEN
                 if self._rates is not None:
                     count["input"] += sum(self._rates.picture_tokens(*view.shown_size) for view in request.views)
+                    self._sent[request.purpose].append(request)
                     count["output"] += self._thinking
         return answer
 
+    def _cached(self, requests: list[Request], rates: Rates) -> int:
+        """Input tokens that the provider would read from its cache, were each question asked after the one before."""
+        repeated, tokens = Repeated(), 0
+        for request in sorted(requests, key=lambda r: (r.about, r.text)):
+            shared = repeated.beginning(request)
+            seen = sum(rates.picture_tokens(*part.shown_size) for part in shared.parts if not isinstance(part, str))
+            tokens += rates.cached_tokens(shared.characters // CHARACTERS_PER_TOKEN + seen)
+        return tokens
+
     def estimates(self) -> dict[str, Estimate]:
         """Counts per purpose, sorted."""
-        return {purpose: self._estimate(count) for purpose, count in sorted(self._counts.items())}
+        return {purpose: self._estimate(purpose, count) for purpose, count in sorted(self._counts.items())}
 
     def as_dict(self) -> dict[str, Any]:
         """JSON-compatible counts and their sum."""
         rows = self.estimates()
         prices = [e.dollars for e in rows.values()]
-        fields = ("queries", "from_store", "pictures", "atoms", "input_tokens", "output_tokens")
+        fields = ("queries", "from_store", "pictures", "atoms", "input_tokens", "cached_tokens", "output_tokens")
         return {
             "model": self.name,
             "assumed_predicates": self.assumed,
@@ -107,11 +120,12 @@ class EstimatingVLM:
         dollars = None if None in prices else sum(p or 0.0 for p in prices)
         return Expected(sum(e.queries - e.from_store for e in rows), sum(e.output_tokens for e in rows), dollars)
 
-    def _estimate(self, count: Counter[str]) -> Estimate:
+    def _estimate(self, purpose: str, count: Counter[str]) -> Estimate:
+        cached = self._cached(self._sent[purpose], self._rates) if self._rates else 0
         price = self._rates.dollars(count["input"], count["output"]) if self._rates else None
         return Estimate(
             count["queries"], count["from_store"], count["pictures"], count["atoms"],
-            count["input"], count["output"], price,
+            count["input"], cached, count["output"], price,
         )  # fmt: skip
 
     def _assumed(self, request: Request) -> str:

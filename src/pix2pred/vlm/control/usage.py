@@ -18,6 +18,7 @@ class Count:
     from_store: int = 0
     unanswered: int = 0
     input_tokens: int = 0
+    cached_tokens: int = 0
     output_tokens: int = 0
     dollars: float = 0.0
     unpriced: int = 0
@@ -30,6 +31,7 @@ class Count:
         if not answer.stored:
             spent = answer.spent
             self.input_tokens += spent.input_tokens
+            self.cached_tokens += spent.cached_tokens
             self.output_tokens += spent.output_tokens
             self.dollars += spent.dollars or 0.0
             self.unpriced += spent.dollars is None
@@ -43,6 +45,7 @@ class Count:
             "from_store": self.from_store,
             "unanswered": self.unanswered,
             "input_tokens": self.input_tokens,
+            "cached_tokens": self.cached_tokens,
             "output_tokens": self.output_tokens,
             "dollars": round(self.dollars, 6) if asked > self.unpriced else None,
             "seconds": round(self.seconds, 3),

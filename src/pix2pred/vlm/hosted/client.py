@@ -181,12 +181,9 @@ class HostedVLM:
         text, unfinished = spoken("".join(part.content for part in response.parts if part.part_kind == "text"))
         details = response.provider_details or {}
         usage = response.usage
-        spent = Spent(
-            usage.input_tokens,
-            usage.output_tokens,
-            dollars(self._model.provider.name, self._model.model, usage.input_tokens, usage.output_tokens),
-            seconds,
-        )
+        cached = min(usage.cache_read_tokens, usage.input_tokens)
+        price = dollars(self._model.provider.name, self._model.model, usage.input_tokens, usage.output_tokens, cached)
+        spent = Spent(usage.input_tokens, usage.output_tokens, price, seconds, cached)
         if refusal := details.get("refusal"):
             return Answer(str(refusal), finish=Finish.REFUSED, spent=spent)
         finish = Finish.CUT_SHORT if unfinished else _FINISHES.get(response.finish_reason or "", Finish.COMPLETE)

@@ -19,6 +19,10 @@ _THOUGHTS = 4096
 """Tokens of thinking about one question that are expected, at the provider's default effort."""
 
 
+_LEAST_CACHED, _CACHED_STEP = 1024, 128
+"""Tokens: the shortest beginning that is kept in the prompt cache, and the steps in which it is."""
+
+
 class OpenAI(Provider):
     """Models of OpenAI, through chat completions."""
 
@@ -42,6 +46,9 @@ class OpenAI(Provider):
         if thinking == 0 and Parameter.THINKING not in left_out:
             made["thinking"] = False
         return made
+
+    def cached_tokens(self, repeated: int) -> int:
+        return repeated // _CACHED_STEP * _CACHED_STEP if repeated >= _LEAST_CACHED else 0
 
     def picture_tokens(self, width: int, height: int) -> int:
         """85, and 170 for each tile of 512 pixels once the picture fits into 2048 and its shorter side into 768."""

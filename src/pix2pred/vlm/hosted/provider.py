@@ -58,6 +58,10 @@ class Provider(ABC):
         """Tokens that ``model`` may think before it speaks unless told otherwise; 0 for a model that does not."""
         return 0
 
+    def cached_tokens(self, repeated: int) -> int:
+        """How many of the first ``repeated`` input tokens, sent before, it reads from its prompt cache unasked."""
+        return 0
+
     def settings(self, request: Request, thinking: int | None, left_out: frozenset[Parameter]) -> dict[str, Any]:
         """What is sent beside text, pictures, budget and temperature, by the client library's names.
 

@@ -58,6 +58,9 @@ class HostedRates:
     def thinking_tokens(self) -> int:
         return self.model.provider.thinking_tokens(self.model.model)
 
+    def cached_tokens(self, repeated: int) -> int:
+        return self.model.provider.cached_tokens(repeated)
+
     def dollars(self, input_tokens: int, output_tokens: int) -> float | None:
         return dollars(self.model.provider.name, self.model.model, input_tokens, output_tokens)
 
