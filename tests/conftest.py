@@ -8,7 +8,7 @@ from importlib.util import find_spec
 import hypothesis
 import pytest
 
-hypothesis.settings.register_profile("behaviour, never time", deadline=None)
+hypothesis.settings.register_profile("behaviour, never time", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("behaviour, never time")
 
 

@@ -21,23 +21,22 @@ import time
 from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import eq
 
 from pix2pred.approaches.parse_code import parse_code
 from pix2pred.approaches.parse_plan import NoPlanError, parse_plan
-from pix2pred.predicates.labelling.parse_labels import parse_labels
+from pix2pred.predicates.labelling.parse_labels import ALL_WORDS, parse_labels
 from pix2pred.predicates.labelling.structured import as_text
 from pix2pred.predicates.proposing.parse_atoms import kept
 from pix2pred.predicates.proposing.propose import ProposalSettings, read_proposal
 from pix2pred.structs import (
     Demo,
-    Label,
     Object,
     Skill,
     State,
     Type,
 )
 
-WORDS = {Label.TRUE: "true", Label.FALSE: "false", Label.UNKNOWN: "unknown"}
 ITEM = Type("item")
 OBJECTS = tuple(Object(name, ITEM, name) for name in ("patty1", "top_bun2", "grill", "small_blue_cup"))
 DEMO = Demo("d", OBJECTS, (State(),), (), ())
@@ -120,10 +119,10 @@ def check_labels(text: str) -> None:
     assert not set(parsed.values) & set(parsed.missing), "an atom both there and missing"
     raw = kept(text) if parsed.values else []
     for atom, value in parsed.values.items():
-        word, place = WORDS[value], parsed.places[atom]
-        begin = bisect_left(raw, place)
-        said = "".join(text[i] for i in raw[begin : begin + len(word)])
-        assert said.lower() == word, f"{atom}: {word} is not where it was said to be"
+        begin = bisect_left(raw, parsed.places[atom])
+        words = [word for word, label in ALL_WORDS.items() if label == value]
+        said = ("".join(text[i] for i in raw[begin : begin + len(word)]).lower() for word in words)
+        assert any(map(eq, said, words)), f"{atom}: {value.word} is not where it was said to be"
 
 
 def check_structured(text: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
+from typing import ClassVar
 
 import numpy as np
 import PIL.Image
@@ -16,8 +17,9 @@ import pix2pred.images.shown
 from pix2pred.domains.burger.drawing.render import render
 from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
 from pix2pred.images import ShownPictures, draw_view, encode_png, skill_crop
+from pix2pred.images.marks import Mark, place_names
 from pix2pred.structs import Box, Image, Picture, Pixels, State
-from pix2pred.structs.views import FOOT_HEIGHT, HEADING_HEIGHT, View
+from pix2pred.structs.views import FOOT_HEIGHT, HEADING_HEIGHT, NOTE_HEIGHT, View
 
 GREY = np.full((200, 300, 3), 128, np.uint8)
 BOXES = {"cup": Box(40, 40, 80, 80), "box": Box(200, 100, 260, 160)}
@@ -208,3 +210,59 @@ def test_shown_pictures_are_drawn_views_and_costly_work_is_done_once(monkeypatch
     for number in (0, 1, 4, 0):
         small(views[number])
     assert decoded[3:] == [pictures[i].image.digest for i in (0, 1, 0)], "the one used longest ago made room"
+
+
+def test_what_is_not_in_a_picture_is_named_below_it() -> None:
+    noted = replace(MARKED, unseen=("jug", "lid"))
+    assert noted.note == "not visible: jug, lid" and replace(noted, crop=Box(0, 0, 100, 100)).note == ""
+    drawn = draw_view(noted)
+    assert drawn.shape[1::-1] == noted.shown_size and len(drawn) == len(draw_view(MARKED)) + NOTE_HEIGHT
+    assert np.array_equal(drawn[:-NOTE_HEIGHT], draw_view(MARKED)) and drawn[-NOTE_HEIGHT:].min() < 80
+    assert noted.canonical() == MARKED.canonical(), "what is unseen follows from the question"
+    shown = ShownPictures()
+    assert shown(MARKED) != shown(noted)
+    assert np.array_equal(Image(shown(noted)).pixels(), drawn)
+
+
+@pytest.mark.parametrize("words", [1, 5, 20, 200])
+def test_a_heading_ends_inside_the_picture(words: int) -> None:
+    narrow = replace(PLAIN, crop=Box(0, 0, 60, 200), heading=" ".join(["state"] * words))
+    strip = draw_view(narrow)[:HEADING_HEIGHT]
+    assert (strip[:, -6:] == 255).all() and strip.min() < 120
+
+
+class TestNames:
+    """Where names are written, and the lines that lead from them."""
+
+    SIZES: ClassVar = dict.fromkeys("abc", (30, 12))
+
+    def _placed(self, boxes: dict[str, Box], size: tuple[int, int] = (300, 220)) -> dict[str, Mark]:
+        return {mark.name: mark for mark in place_names(boxes, self.SIZES, size)}
+
+    def test_a_line_ends_on_its_own_object_where_no_other_covers_it(self) -> None:
+        boxes = {"a": Box(100, 100, 200, 160), "b": Box(100, 60, 200, 140), "c": Box(100, 20, 200, 80)}
+        marks = self._placed(boxes)
+        ends = {name: mark.line[1] for name, mark in marks.items() if mark.line}
+        assert ends, "three objects on one another need lines"
+        for name, (x, y) in ends.items():
+            holding = {n for n, b in boxes.items() if b.left <= x <= b.right and b.top <= y <= b.bottom}
+            assert holding == {name}
+
+    def test_a_name_right_below_its_object_needs_no_line(self) -> None:
+        assert self._placed({"a": Box(100, 100, 140, 140)})["a"].line is None
+
+    def test_a_name_beside_an_object_has_a_line(self) -> None:
+        marks = self._placed({"a": Box(100, 180, 104, 220), "b": Box(60, 130, 160, 178)}, (300, 220))
+        for mark in marks.values():
+            box = {"a": Box(100, 180, 104, 220), "b": Box(60, 130, 160, 178)}[mark.name]
+            centred = abs(mark.spot.center[0] - box.center[0]) < box.width / 2
+            assert mark.line or centred
+
+    @given(st.lists(st.tuples(*[st.integers(0, 250)] * 2, *[st.integers(5, 120)] * 2), min_size=3, max_size=3))
+    def test_names_stay_inside_and_lines_begin_at_them(self, drawn: list[tuple[int, int, int, int]]) -> None:
+        boxes = {name: Box(x, y, x + w, y + h) for name, (x, y, w, h) in zip("abc", drawn, strict=True)}
+        for mark in self._placed(boxes, (400, 400)).values():
+            assert mark.spot.left >= 0 and mark.spot.right <= 400 and mark.spot.top >= 0 and mark.spot.bottom <= 400
+            if mark.line:
+                x, y = mark.line[0]
+                assert mark.spot.left <= x <= mark.spot.right and mark.spot.top <= y <= mark.spot.bottom

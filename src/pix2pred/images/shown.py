@@ -11,7 +11,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from pix2pred.images.draw import draw_heading, draw_scene
+from pix2pred.images.draw import draw_heading, draw_note, draw_scene
 from pix2pred.structs import Image, Pixels
 from pix2pred.structs.views import View
 from pix2pred.system.png import Strip, pack, png_file
@@ -33,7 +33,8 @@ class ShownPictures:
         """The PNG file of the view."""
         shown = {name: value for name, value in view.canonical().items() if name not in ("heading", "state")}
         scene = self._packed.get(json.dumps(shown, sort_keys=True), lambda: pack(draw_scene(view, decode=self._decode)))
-        return png_file([pack(draw_heading(view.heading, scene.width)), scene] if view.heading else [scene])
+        above = [pack(draw_heading(view.heading, scene.width))] if view.heading else []
+        return png_file([*above, scene, *([pack(draw_note(view.note, scene.width))] if view.note else [])])
 
     def _decode(self, image: Image) -> Pixels:
         return self._decoded.get(image.digest, image.pixels)

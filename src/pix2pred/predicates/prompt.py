@@ -46,12 +46,16 @@ def views(
 ) -> tuple[View, ...]:
     """All cameras of a state, with headings such as ``state 3, camera main``."""
     names = {o.name: o.prompt_name for o in objects}
+    shown = [_renamed(p, names) for p in state.pictures]
     prefix = f"{label}: " if label else ""
     heading = f"{prefix}state {t}, camera"
     return tuple(
-        View(_renamed(p, names), t, marks=marks, heading=f"{heading} {p.camera}", longest_side=longest_side)
-        for p in state.pictures
-    )
+        View(
+            p, t, marks=marks, heading=f"{heading} {p.camera}", longest_side=longest_side,
+            unseen=tuple(sorted({*names.values()} - {*p.boxes})) if marks and p.boxes else (),
+        )
+        for p in shown
+    )  # fmt: skip
 
 
 def _renamed(picture: Picture, names: Mapping[str, str]) -> Picture:

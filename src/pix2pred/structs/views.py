@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from pix2pred.structs.states import Box, Picture
@@ -19,13 +19,17 @@ HEADING_HEIGHT = 26
 FOOT_HEIGHT = 20
 """Pixels of the strip below a picture, for the names of objects at its lower edge."""
 
+NOTE_HEIGHT = 22
+"""Pixels of the white strip below a picture that names the objects it does not show."""
+
 
 @dataclass(frozen=True, slots=True)
 class View:
     """A clean picture and how to show it.
 
     ``crop`` is in the picture's pixels; ``marks`` draws every boxed object's name beside it (set-of-marks);
-    ``heading`` is written on a white strip above the picture.
+    ``heading`` is written on a white strip above the picture; below a whole picture stands which objects are ``unseen``
+    in it, which follows from the boxes and the question's text and is no part of what identifies a question.
     """
 
     picture: Picture
@@ -34,6 +38,12 @@ class View:
     marks: bool = True
     heading: str = ""
     longest_side: int = LONGEST_SIDE
+    unseen: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def note(self) -> str:
+        """What is written below the picture."""
+        return f"not visible: {', '.join(self.unseen)}" if self.unseen and not self.crop else ""
 
     @property
     def boxes(self) -> Mapping[str, Box]:
@@ -48,6 +58,7 @@ class View:
             width, height = self.crop.width, self.crop.height
         factor = scale_to(width, height, self.longest_side)
         strips = (HEADING_HEIGHT if self.heading else 0) + (FOOT_HEIGHT if self.marks and self.boxes else 0)
+        strips += NOTE_HEIGHT if self.note else 0
         return max(1, round(width * factor)), max(1, round(height * factor)) + strips
 
     def canonical(self) -> dict[str, Any]:

@@ -18,7 +18,8 @@ _SYNONYMS: Mapping[Label, str] = {
 }
 """Other words for the three values. They count only where nothing but punctuation follows: "No change" is no "No"."""
 _WORDS: Mapping[str, Label] = {label.word: label for label in Label}
-_ALL_WORDS = dict(_WORDS) | {word: label for label, words in _SYNONYMS.items() for word in words.split()}
+ALL_WORDS = dict(_WORDS) | {word: label for label, words in _SYNONYMS.items() for word in words.split()}
+"""What every word for a value means, in small letters."""
 _WORD = r"([A-Za-zí]+|[01](?![\w.])|真|是|对|正确|假|否|错误|错|未知|不确定|[✓✔✅☑✗✘❌✕])"
 _SOMETHING = r"[\"'_ \t]*"
 _VALUE = re.compile(rf"[ \t]*(?:[:：]|={{1,3}})[ \t]*{_WORD}")
@@ -140,11 +141,11 @@ def _statements(text: str) -> Iterator[_Statement]:
 
 def _decided(text: str, word: re.Match[str]) -> Label | None:
     """The value that the word after an atom gives, together with what follows it."""
-    value, end = _ALL_WORDS.get(word[1].lower()), word.end(1)
+    value, end = ALL_WORDS.get(word[1].lower()), word.end(1)
     if value is None or (word[1].lower() not in _WORDS and not _ENDS.match(text, end)):
         return None
     while then := _THEN.match(text, end):
-        other = _ALL_WORDS.get((then[2] or "").lower())
+        other = ALL_WORDS.get((then[2] or "").lower())
         if then["how"] == "?" or (other is not None and other != value and then["how"] not in _ARROWS):
             return None
         if other is None:
