@@ -10,10 +10,11 @@ from pix2pred.domains.coffee.classifiers import AboveCup, objects_of, true_atoms
 from pix2pred.domains.coffee.demonstrator import actions_of, all_filled
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.families import DEMONSTRATIONS, Recipe
-from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.coffee.scenes import initial_world
 from pix2pred.domains.coffee.truth import CONCEPTS, concept_value
 from pix2pred.domains.coffee.vocabulary import GIVEN, TYPE_OF
 from pix2pred.domains.coffee.world import World
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.predicates import ground_atoms
 from pix2pred.structs import Candidate, FromVLM, LabelledDemo, Predicate, TruthTable
 from pix2pred.structs.environment import StepStatus

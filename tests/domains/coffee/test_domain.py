@@ -7,9 +7,10 @@ import pytest
 
 from extras import need
 from pix2pred.domains.coffee import CoffeeDomain
-from pix2pred.domains.coffee.scenes import CUP_GAP, MOST_CUPS, Split, initial_world, scene_generator
+from pix2pred.domains.coffee.scenes import CUP_GAP, MOST_CUPS, initial_world
 from pix2pred.domains.coffee.simulation.geometry import CUP_RADIUS
 from pix2pred.domains.coffee.world import World
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Demo, Pixels
 from pix2pred.structs.environment import Domain, Filmed, SimulatedTask
 

@@ -21,7 +21,8 @@ pytestmark = [need("mujoco", extra="sim"), pytest.mark.usefixtures("drawing")]
 DIGEST = """
 import hashlib
 from pix2pred.domains.coffee.simulation.render import render_pixels
-from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.coffee.scenes import initial_world
+from pix2pred.domains.seeds import Split, scene_generator
 print(hashlib.sha256(render_pixels(initial_world(3, scene_generator(0, Split.TASKS, 3, 0))).tobytes()).hexdigest())
 """
 

@@ -12,9 +12,10 @@ from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.families import Family, Recipe, Variant, bind_atom, load_families
 from pix2pred.domains.burger.observe import observe
-from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator, sized_recipe
-from pix2pred.domains.burger.truth import value_now
+from pix2pred.domains.burger.scenes import initial_world, sized_recipe
+from pix2pred.domains.burger.truth import concept_value
 from pix2pred.domains.burger.world import World
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
@@ -90,7 +91,7 @@ class BurgerDomain:
 
     def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
         assert isinstance(environment, BurgerEnvironment), "an environment of this domain"
-        return value_now(environment, concept, names)
+        return concept_value(environment.world, concept, names)
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> BurgerEnvironment:
         """A fresh episode of a task; with probability ``disturb`` something happens to the scene after a skill.

@@ -9,6 +9,7 @@ import numpy as np
 
 from pix2pred.domains.burger.scenes import ROBOT_NAME
 from pix2pred.domains.burger.world import EDGE_CELLS, SIZE, Cell, Heading, Thing, World
+from pix2pred.domains.seeds import Split, scene_generator
 
 _ITEM_KINDS = ("patty", "lettuce", "cheese", "bottom_bun", "top_bun")
 _STACKED = 0.5
@@ -60,11 +61,8 @@ def _robot_pose(rng: np.random.Generator, stacks: Sequence[Sequence[Thing]]) -> 
 
 
 def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:
-    """``looks`` differently drawn scenes with ``per_look`` arrangements each, from ``SeedSequence((seed, 2))``.
-
-    The 2 keeps these scenes apart from demonstrations and tasks (see ``scenes.Split``).
-    """
-    rng = np.random.default_rng(np.random.SeedSequence((seed, 2)))
+    """``looks`` differently drawn scenes with ``per_look`` arrangements each, apart from demonstrations and tasks."""
+    rng = scene_generator(seed, Split.READER)
     worlds: list[World] = []
     for _ in range(looks):
         look = int(rng.integers(2**31))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from enum import IntEnum
 
 import numpy as np
 
@@ -12,20 +11,6 @@ from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, Worl
 from pix2pred.structs import Application
 
 ROBOT_NAME = "robot"
-
-
-class Split(IntEnum):
-    """The second number of a seed: what the scene is for."""
-
-    DEMONSTRATIONS = 0
-    TASKS = 1
-    DISTURBANCES = 3
-    SIZED = 4
-
-
-def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:
-    """The generator of one scene, seeded by ``(seed, split, family index, index of the demonstration or task)``."""
-    return np.random.default_rng(np.random.SeedSequence((seed, int(split), family, index)))
 
 
 def initial_world(scene: Scene, rng: np.random.Generator, held_z: int = 1) -> World:

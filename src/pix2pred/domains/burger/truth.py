@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
-from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.vocabulary import STATION, TYPE_OF
 from pix2pred.domains.burger.world import Heading, World
-
-
-@dataclass(frozen=True, slots=True)
-class Concept:
-    """What a word means here: the type names of its arguments and its value in a world."""
-
-    types: tuple[str, ...]
-    value: Callable[..., bool]
+from pix2pred.domains.words import Concept, TrueWords
 
 
 def _prepared(world: World, name: str) -> bool:
@@ -114,21 +105,4 @@ CONCEPTS: Mapping[str, Concept] = {
 }
 """Every word with a ground truth."""
 
-
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
-    if concept not in CONCEPTS:
-        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
-    wanted = CONCEPTS[concept].types
-    types = world.types()
-    fits = len(names) == len(wanted) and all(
-        n in types and TYPE_OF[types[n]].is_a(TYPE_OF[t]) for n, t in zip(names, wanted, strict=True)
-    )
-    if not fits:
-        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
-    return CONCEPTS[concept].value(world, *names)
-
-
-def value_now(environment: BurgerEnvironment, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` in the environment's present state."""
-    return concept_value(environment.world, concept, names)
+concept_value = TrueWords(CONCEPTS, World.types, lambda given, wanted: TYPE_OF[given].is_a(TYPE_OF[wanted])).value

@@ -11,10 +11,11 @@ from pix2pred.domains.coffee.demonstrator import all_filled, demonstrate
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.families import DEMONSTRATIONS, FAMILIES, Family
 from pix2pred.domains.coffee.observe import observe
-from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
-from pix2pred.domains.coffee.truth import value_now
+from pix2pred.domains.coffee.scenes import SIZED, initial_world
+from pix2pred.domains.coffee.truth import concept_value
 from pix2pred.domains.coffee.vocabulary import GIVEN, SKILLS, TYPES
 from pix2pred.domains.coffee.world import World
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
@@ -66,9 +67,9 @@ class CoffeeDomain:
         """``count`` tasks with ``items`` cups. Raises ``ValueError`` when they do not fit the table, or for none."""
         if items < 1:
             raise ValueError(f"a task needs a cup to fill, not {items}")
-        return self._tasks(f"{family}-{items}-cups", family, Split.SIZED, seed, count, items)
+        return self._tasks(f"{family}-{items}-cups", family, SIZED, seed, count, items)
 
-    def _tasks(self, name: str, family: str, split: Split, seed: int, count: int, cups: int) -> Sequence[SimulatedTask]:
+    def _tasks(self, name: str, family: str, split: int, seed: int, count: int, cups: int) -> Sequence[SimulatedTask]:
         worlds = [initial_world(cups, scene_generator(seed, split, cups, index)) for index in range(count)]
         return tuple(self._task(f"{name}-{index}", family, world) for index, world in enumerate(worlds))
 
@@ -80,7 +81,7 @@ class CoffeeDomain:
 
     def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
         assert isinstance(environment, CoffeeEnvironment), "an environment of this domain"
-        return value_now(environment, concept, names)
+        return concept_value(environment.world, concept, names)
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> CoffeeEnvironment:
         """A fresh episode of a task.

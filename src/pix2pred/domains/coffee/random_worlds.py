@@ -14,7 +14,7 @@ from pix2pred.domains.coffee.classifiers import AboveCup
 from pix2pred.domains.coffee.demonstrator import actions_of
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.families import Recipe
-from pix2pred.domains.coffee.scenes import JUG_AREA, Split, initial_world, random_place, random_rotation
+from pix2pred.domains.coffee.scenes import JUG_AREA, initial_world, random_place, random_rotation
 from pix2pred.domains.coffee.simulation.geometry import (
     CLOSED,
     FULL_JUG,
@@ -27,6 +27,7 @@ from pix2pred.domains.coffee.simulation.geometry import (
     Point,
 )
 from pix2pred.domains.coffee.world import Cup, Robot, World
+from pix2pred.domains.seeds import Split, scene_generator
 
 MOST_CUPS = 6
 _PERTURBED = 0.4
@@ -90,7 +91,7 @@ def _perturbed(world: World, rng: np.random.Generator) -> World:
 
 def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:
     """``looks`` differently drawn scenes with ``per_look`` arrangements each, apart from demonstrations and tasks."""
-    rng = np.random.default_rng(np.random.SeedSequence((seed, int(Split.READER))))
+    rng = scene_generator(seed, Split.READER)
     worlds: list[World] = []
     for _ in range(looks):
         look = int(rng.integers(2**31))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 
 import numpy as np
 
@@ -19,19 +18,8 @@ CUP_GAP = 0.03
 
 MOST_CUPS = 8
 
-
-class Split(IntEnum):
-    """The second number of a seed: what the scene is for."""
-
-    DEMONSTRATIONS = 0
-    TASKS = 1
-    READER = 2
-    SIZED = 3
-
-
-def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:
-    """The generator of one scene, seeded by ``(seed, split, family number, index of the demonstration or task)``."""
-    return np.random.default_rng(np.random.SeedSequence((seed, int(split), family, index)))
+SIZED = 3
+"""The second number of a sized task's seed; other domains use ``Split.SIZED``, and these tasks stay what they were."""
 
 
 def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None = None) -> World:

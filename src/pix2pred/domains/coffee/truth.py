@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
-from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.simulation.geometry import FULL_JUG
 from pix2pred.domains.coffee.simulation.motion import cup_below, pouring_over, pressing
 from pix2pred.domains.coffee.skills import handle_reachable
 from pix2pred.domains.coffee.world import World
-
-
-@dataclass(frozen=True, slots=True)
-class Concept:
-    """What a word means here: the type names of its arguments and its value in a world."""
-
-    types: tuple[str, ...]
-    value: Callable[..., bool]
+from pix2pred.domains.words import Concept, TrueWords
 
 
 def _receiving(world: World, cup: str) -> bool:
@@ -59,18 +50,4 @@ CONCEPTS: Mapping[str, Concept] = {
 }
 """Every word with a ground truth. ``jug_filled``: to the mark, so that it ends with the first cup poured."""
 
-
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
-    if concept not in CONCEPTS:
-        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
-    wanted = CONCEPTS[concept].types
-    types = world.types()
-    if len(names) != len(wanted) or any(types.get(n) != t for n, t in zip(names, wanted, strict=True)):
-        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
-    return CONCEPTS[concept].value(world, *names)
-
-
-def value_now(environment: CoffeeEnvironment, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` in the environment's present state."""
-    return concept_value(environment.world, concept, names)
+concept_value = TrueWords(CONCEPTS, World.types).value

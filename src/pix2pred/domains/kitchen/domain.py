@@ -8,10 +8,11 @@ from typing import Any
 
 from pix2pred.domains import scripted
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
-from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, Split, boiling, push_kettle, start_world, turn_on
+from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, boiling, push_kettle, start_world, turn_on
 from pix2pred.domains.kitchen.truth import value_now
 from pix2pred.domains.kitchen.vocabulary import OBJECTS, VOCABULARY
 from pix2pred.domains.kitchen.world import World
+from pix2pred.domains.seeds import Split
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 

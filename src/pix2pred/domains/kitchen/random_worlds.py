@@ -8,6 +8,7 @@ from pix2pred.domains.kitchen.arm import JOINTS
 from pix2pred.domains.kitchen.environment import HORIZON, KitchenEnvironment
 from pix2pred.domains.kitchen.scenes import KETTLE_PUSH, LEFT, PUSH_ANGLE, RIGHT, push_kettle, turn_on
 from pix2pred.domains.kitchen.world import World, standing_world
+from pix2pred.domains.seeds import Split, scene_generator
 
 _FINISHED = 0.7
 _TURNS = 0.4
@@ -17,14 +18,13 @@ _BURNERS = ((0.221, 0.339), (-0.225, 0.339), (0.219, 0.78), (-0.222, 0.78))
 
 
 def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:
-    """``looks`` groups of ``per_look`` scenes, from ``SeedSequence((seed, 2))``, apart from demonstrations and tasks.
+    """``looks`` groups of ``per_look`` scenes, apart from demonstrations and tasks.
 
     A group holds what a skill with random parameters leaves behind, stopped anywhere on its way in 30 % of the cases,
     and copies of it with knobs and kettle put elsewhere.
     """
     worlds: list[World] = []
-    for child in np.random.SeedSequence((seed, 2)).spawn(looks):
-        rng = np.random.default_rng(child)
+    for rng in scene_generator(seed, Split.READER).spawn(looks):
         first = _left_behind(rng)
         worlds.append(first)
         worlds.extend(_rearranged(rng, first) for _ in range(per_look - 1))
