@@ -114,8 +114,8 @@ def _model(registry: Registry, spec: str) -> Iterator[Finding]:
         return
     views = [View(_square(color, name), t, heading=f"state {t}") for t, (color, name) in enumerate(_SQUARES)]
     traits = list(check(model, views))
-    for trait in traits:
-        yield Finding(spec if trait.what == "answers" else f"  {trait.what}", trait.ok, plain(trait.detail))
+    for trait in traits:  # whether it answers at all comes first
+        yield Finding(spec if trait is traits[0] else f"  {trait.what}", trait.ok, plain(trait.detail))
     if settings := [trait.setting for trait in traits if trait.setting]:
         yield Finding("  settings that follow", None, "; ".join(settings))
 

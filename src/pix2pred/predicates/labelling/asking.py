@@ -192,6 +192,13 @@ class Asker(Generic[Value]):
         return tuple(Gap(self.about, self.purpose, tuple(sorted(t)), r) for r, t in sorted(reasons.items()))
 
 
+def in_batches(atoms: Sequence[Atom], most: int | None) -> list[list[Atom]]:
+    """``atoms`` in the order of their texts, at most so many together; all together when ``most`` is None or 0."""
+    ordered = sorted(atoms, key=atom_text)
+    size = most or max(1, len(ordered))
+    return [ordered[i : i + size] for i in range(0, len(ordered), size)]
+
+
 def _review(parsed: Parsed[Value], texts: Sequence[str]) -> Review | None:
     if not parsed.missing:
         return None

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from pix2pred.images import skill_crop
-from pix2pred.predicates.labelling.asking import Asker, Occurrence, Question
+from pix2pred.predicates.labelling.asking import Asker, Occurrence, Question, in_batches
 from pix2pred.predicates.labelling.label_format import LabelFormat
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
@@ -143,16 +143,11 @@ class Labeller:
 
     def _together(self, labelled: Callable[[Sequence[Atom]], StateLabels], atoms: Sequence[Atom]) -> list[StateLabels]:
         """The labels of all batches, asked for at the same time."""
-        return list(self.together.map(labelled, self._batches(atoms)))
+        return list(self.together.map(labelled, in_batches(atoms, self.settings.max_atoms_per_query)))
 
     def _asker(self, purpose: Purpose, question: Question, about: str) -> Asker[Label]:
         form = LabelFormat(self.settings.structured)
         return Asker(self.vlm, self.settings, form, self.together, purpose, question, about)
-
-    def _batches(self, atoms: Sequence[Atom]) -> list[list[Atom]]:
-        ordered = sorted(atoms, key=atom_text)
-        size = self.settings.max_atoms_per_query or max(1, len(ordered))
-        return [ordered[i : i + size] for i in range(0, len(ordered), size)]
 
     def _before_and_after(self, step: StepToLabel, objects: Sequence[Object]) -> tuple[View, ...]:
         full = (
