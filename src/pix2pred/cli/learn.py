@@ -27,7 +27,7 @@ from pix2pred.vlm.model_spec import ModelSpec, Spending
 
 
 @dataclass(frozen=True, slots=True)
-class Asking:
+class ModelToAsk:
     """Which model is asked, where its answers are kept, and what may be spent."""
 
     vlm: str = "offline"
@@ -72,10 +72,10 @@ class AskingOptions:
     ] = None
 
     @property
-    def asking(self) -> Asking:
+    def asking(self) -> ModelToAsk:
         """The model, its answer store and what may be spent."""
         limits = Spending(self.max_requests, self.max_cost)
-        return Asking(self.vlm or "offline", self.answers, self.mode or StoreMode.RESUME, limits)
+        return ModelToAsk(self.vlm or "offline", self.answers, self.mode or StoreMode.RESUME, limits)
 
     @property
     def settings(self) -> Layer:
@@ -146,7 +146,7 @@ def learn(
 
 
 def run_learning(
-    registry: Registry, project: Project, settings: Settings, asking: Asking, out: Path, *, quiet: bool
+    registry: Registry, project: Project, settings: Settings, asking: ModelToAsk, out: Path, *, quiet: bool
 ) -> dict[str, Any]:
     """Learn into the run folder ``out`` with progress bars; gives the summary."""
     domain = (project.simulator or {}).get("domain")

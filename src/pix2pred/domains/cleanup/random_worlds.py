@@ -14,7 +14,7 @@ from pix2pred.domains.cleanup.scenes import (
     OTHER,
     TABLE,
     WIDE,
-    Plan,
+    CleanupScene,
     arranged,
     make_world,
 )
@@ -36,7 +36,7 @@ def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
     bins = (NARROW, OTHER, WIDE) if rng.random() < 0.4 else (NARROW, WIDE)
     kinds = [str(k) for k in rng.permutation((*DEMONSTRATED_KINDS, *NEW_KINDS))[: int(rng.integers(1, 5))]]
     things = dict.fromkeys((*kinds, "eraser"), FLOOR)
-    world = make_world(Plan(things, bins), body, style, rng)
+    world = make_world(CleanupScene(things, bins), body, style, rng)
     return [_rearranged(world, list(things), bins, rng) for _ in range(per_look)]
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pix2pred.domains.coffee.simulation.geometry import CUP_CAPACITIES, CUP_RADIUS, HOME, TABLE_Z, Point
-from pix2pred.domains.coffee.world import Cup, Jug, Robot, World
+from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Jug, Robot
 
 CUP_AREA = ((0.61, 1.0), (1.09, 1.27))
 """x and y of the middles of cups."""
@@ -22,7 +22,7 @@ SIZED = 3
 """The second number of a sized task's seed; other domains use ``Split.SIZED``, and these tasks stay what they were."""
 
 
-def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None = None) -> World:
+def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None = None) -> CoffeeWorld:
     """``cups`` empty cups of random sizes, an empty jug, the machine off, the gripper at rest.
 
     ``turned_away`` says whether the jug's handle is out of reach; by default it is for half of the scenes. Raises
@@ -35,7 +35,7 @@ def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None 
     sizes = [float(c) for c in rng.choice(CUP_CAPACITIES, size=cups)]
     places = cup_places(sizes, rng)
     made = tuple(Cup(f"cup{i}", x, y, c) for i, (c, (x, y)) in enumerate(zip(sizes, places, strict=True)))
-    return World(Robot(HOME), jug, made, look=int(rng.integers(2**31)))
+    return CoffeeWorld(Robot(HOME), jug, made, look=int(rng.integers(2**31)))
 
 
 def random_rotation(away: bool, rng: np.random.Generator) -> float:

@@ -8,25 +8,25 @@ from collections.abc import Mapping
 from pix2pred.domains.coffee.simulation.geometry import FULL_JUG
 from pix2pred.domains.coffee.simulation.motion import cup_below, pouring_over, pressing
 from pix2pred.domains.coffee.skills import handle_reachable
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.domains.words import Concept, TrueWords
 
 
-def _receiving(world: World, cup: str) -> bool:
+def _receiving(world: CoffeeWorld, cup: str) -> bool:
     below = pouring_over(world)
     return below is not None and below.name == cup
 
 
-def _jug_above(world: World, jug: str, cup: str) -> bool:
+def _jug_above(world: CoffeeWorld, jug: str, cup: str) -> bool:
     below = cup_below(world) if world.jug.held else None
     return below is not None and below.name == cup
 
 
-def _jug_on_table(world: World, jug: str) -> bool:
+def _jug_on_table(world: CoffeeWorld, jug: str) -> bool:
     return not world.jug.held and not world.jug_in_machine
 
 
-def _larger(world: World, a: str, b: str) -> bool:
+def _larger(world: CoffeeWorld, a: str, b: str) -> bool:
     return world.cup(a).capacity > world.cup(b).capacity
 
 
@@ -50,4 +50,4 @@ CONCEPTS: Mapping[str, Concept] = {
 }
 """Every word with a ground truth. ``jug_filled``: to the mark, so that it ends with the first cup poured."""
 
-concept_value = TrueWords(CONCEPTS, World.types).value
+concept_value = TrueWords(CONCEPTS, CoffeeWorld.types).value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pix2pred.domains.kitchen.vocabulary import KETTLE_BOILING, OBJECT_OF, PUSH_KETTLE, TURN_ON_KNOB
-from pix2pred.domains.kitchen.world import World, standing_world
+from pix2pred.domains.kitchen.world import KitchenWorld, standing_world
 from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Action, Atom
 
@@ -19,7 +19,7 @@ LEFT, RIGHT = -0.269, 0.169
 """x of the kettle's start in demonstrations and in tests, in metres."""
 
 
-def start_world(seed: int, split: Split, index: int, x: float) -> World:
+def start_world(seed: int, split: Split, index: int, x: float) -> KitchenWorld:
     """The kettle stands at ``x``, 40 to 55 cm before the robot; seeded by ``(seed, split, index)``."""
     rng = scene_generator(seed, split, index)
     return standing_world(x, float(rng.uniform(0.4, 0.55)))

@@ -9,7 +9,7 @@ from pix2pred.domains.kitchen.classifiers import is_kettle_on, is_on
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
 from pix2pred.domains.kitchen.render import simulation_of
 from pix2pred.domains.kitchen.vocabulary import OBJECTS
-from pix2pred.domains.kitchen.world import World
+from pix2pred.domains.kitchen.world import KitchenWorld
 from pix2pred.domains.words import Concept, TrueWords
 
 
@@ -40,10 +40,10 @@ CONCEPTS: Mapping[str, Concept] = {
 
 _WORDS = TrueWords(CONCEPTS, lambda data: {o.name: o.type.name for o in OBJECTS})
 
-_last: list[tuple[World, Any]] = []
+_last: list[tuple[KitchenWorld, Any]] = []
 
 
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
+def concept_value(world: KitchenWorld, concept: str, names: Sequence[str]) -> bool:
     """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
     if not _last or _last[0][0] is not world:
         _last[:] = [(world, simulation_of(world))]

@@ -45,7 +45,7 @@ TOKENS_OF_REASONING = 1024
 _MORE = 4
 """How much larger the budget of a single atom grows when it was too small."""
 
-Question = Callable[[Sequence[Atom]], tuple[Part, ...]]
+MakeQuestion = Callable[[Sequence[Atom]], tuple[Part, ...]]
 """Text and pictures of a query about some atoms."""
 
 
@@ -108,7 +108,7 @@ class Asker(Generic[Value]):
     format: AnswerFormat[Value]
     together: Together
     purpose: Purpose
-    question: Question
+    question: MakeQuestion
     about: str
 
     def ask(self, atoms: Sequence[Atom]) -> Asked[Value]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from pix2pred.images import skill_crop
-from pix2pred.predicates.labelling.asking import Asker, Occurrence, Question, in_batches
+from pix2pred.predicates.labelling.asking import Asker, MakeQuestion, Occurrence, in_batches
 from pix2pred.predicates.labelling.label_format import LabelFormat
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
@@ -145,7 +145,7 @@ class Labeller:
         """The labels of all batches, asked for at the same time."""
         return list(self.together.map(labelled, in_batches(atoms, self.settings.max_atoms_per_query)))
 
-    def _asker(self, purpose: Purpose, question: Question, about: str) -> Asker[Label]:
+    def _asker(self, purpose: Purpose, question: MakeQuestion, about: str) -> Asker[Label]:
         form = LabelFormat(self.settings.structured)
         return Asker(self.vlm, self.settings, form, self.together, purpose, question, about)
 
