@@ -14,6 +14,7 @@ from pix2pred.predicates.labelling.asking import Asked, Asker, Occurrence, in_ba
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel
+from pix2pred.predicates.labelling.telling import Telling
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
 from pix2pred.structs import Action, Atom, Demo, FromVLM, Label, Object, State
 from pix2pred.structs.views import View
@@ -52,12 +53,13 @@ class FrugalLabeller:
     together: Together = field(default_factory=Together)
 
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
+        asking = replace(self, vlm=Telling(self.vlm, demo.name))
         labels: list[StateLabels] = []
         for stretch in self._stretches(demo):
             about = f"{demo.name}, states {stretch.numbers[0]} to {stretch.numbers[-1]}"
             known = labels[-1].values if labels else {}
             # a stretch begins with the last state of the one before, whose labels are there already
-            labels += self._labels(stretch, demo.objects, atoms, known, about)[1 if labels else 0 :]
+            labels += asking._labels(stretch, demo.objects, atoms, known, about)[1 if labels else 0 :]
         return tuple(labels)
 
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.report.contents import Contents
-from pix2pred.vlm import AnswerStore, VLMError
+from pix2pred.vlm import AnswerStore, Purpose, VLMError
 from pix2pred.vlm.answers.inspection import StoredEntry, read_stored
 
 MOST = 40
@@ -70,7 +70,7 @@ def _of_store(folder: Path, model: str, places: dict[str, Place]) -> list[tuple[
             continue
         seen = [places[d] for p in entry.pictures if (d := _digest(p)) in places]
         if entry.model == model and seen:
-            demo, state, about = max(seen) if entry.purpose != "propose" else min(seen)
+            demo, state, about = max(seen) if entry.purpose != Purpose.PROPOSE else min(seen)
             found.append(((demo, state, key), _question(entry, about)))
     return found
 
