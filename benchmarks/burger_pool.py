@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.domains.burger.classifiers import objects_of, true_atoms
-from pix2pred.domains.burger.families import Family, bind_action, bind_atom, load_families
-from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.burger.families import BurgerFamily, bind_action, bind_atom, load_families
+from pix2pred.domains.burger.scenes import initial_world
 from pix2pred.domains.burger.skills import policy_for
 from pix2pred.domains.burger.truth import CONCEPTS, concept_value
 from pix2pred.domains.burger.vocabulary import TYPE_OF
-from pix2pred.domains.burger.world import World, advance
+from pix2pred.domains.burger.world import BurgerWorld, advance
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.predicates import ground_atoms
 from pix2pred.structs import Atom, Candidate, FromVLM, LabelledDemo, Predicate, TruthTable
 
@@ -56,7 +57,7 @@ class Workload:
         return sorted(self.meaning[p].removeprefix("not ") for p in selected) == sorted(NEEDED[self.family])
 
 
-def demonstration_worlds(family: Family, index: int, seed: int) -> list[World]:
+def demonstration_worlds(family: BurgerFamily, index: int, seed: int) -> list[BurgerWorld]:
     recipe = family.demonstrations[index % len(family.demonstrations)]
     generator = scene_generator(seed, Split.DEMONSTRATIONS, family.index, index)
     worlds = [initial_world(recipe.scene, generator)]
@@ -68,7 +69,7 @@ def demonstration_worlds(family: Family, index: int, seed: int) -> list[World]:
     return worlds
 
 
-def value_of(meaning: str, world: World, names: Sequence[str]) -> bool:
+def value_of(meaning: str, world: BurgerWorld, names: Sequence[str]) -> bool:
     """The true value of a meaning; constants have one, coins do not."""
     if meaning in ("always", "never"):
         return meaning == "always"
@@ -124,9 +125,9 @@ def _original(p: Predicate, words: Mapping[Predicate, str]) -> Predicate:
 
 
 def _table(
-    family: Family,
+    family: BurgerFamily,
     name: str,
-    histories: Sequence[Sequence[World]],
+    histories: Sequence[Sequence[BurgerWorld]],
     meaning: Mapping[Predicate, str],
     rng: np.random.Generator,
 ) -> TruthTable:
@@ -187,7 +188,9 @@ def _persist(wrong: NDArray[np.bool_], demo: LabelledDemo) -> None:
         wrong[t + 1, untouched] = wrong[t, untouched]
 
 
-def true_state(world: World, predicates: Sequence[Predicate], meaning: Mapping[Predicate, str]) -> frozenset[Atom]:
+def true_state(
+    world: BurgerWorld, predicates: Sequence[Predicate], meaning: Mapping[Predicate, str]
+) -> frozenset[Atom]:
     """The true atoms over given predicates and words in a world."""
     words = [p for p in predicates if p in meaning]
     given = true_atoms(world, tuple(p for p in predicates if p not in meaning))

@@ -23,7 +23,7 @@ from joblib import Parallel, delayed
 
 from burger_pool import NEEDED, true_state, workload, wrong_labels
 from pix2pred.domains.burger import BurgerDomain
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.execution.episode import open_loop
 from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, Selection, hill_climbing
@@ -74,7 +74,7 @@ def solved(
     predicates = (*domain().vocabulary(family).initial, *selection.selected)
     planner = planner or load_planner("portfolio")
     for item in test_tasks(family, seed, count):
-        state = true_state(World.from_dict(item.simulator["world"]), predicates, meaning)
+        state = true_state(BurgerWorld.from_dict(item.simulator["world"]), predicates, meaning)
         atoms = [p(*args) for p in selection.selected for args in groundings(p.types, item.task.objects, distinct=True)]
         state ^= frozenset(atom for atom, wrong in zip(atoms, rng.random(len(atoms)) < flip, strict=True) if wrong)
         found = planner.plan(selection.operators, item.task.objects, state, item.task.goal)

@@ -28,8 +28,9 @@ Drawers = tuple[Callable[[], Any], Callable[[], Any]]
 
 
 def coffee(index: int) -> Drawers:
-    from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+    from pix2pred.domains.coffee.scenes import initial_world
     from pix2pred.domains.coffee.simulation.render import render, render_pixels
+    from pix2pred.domains.seeds import Split, scene_generator
 
     world = initial_world(3, scene_generator(0, Split.TASKS, 3, index))
     return lambda: render(world).image.pixels(), lambda: render_pixels(world)
@@ -38,7 +39,8 @@ def coffee(index: int) -> Drawers:
 def kitchen(index: int) -> Drawers:
     from pix2pred.domains.kitchen.model import kitchen_camera
     from pix2pred.domains.kitchen.render import picture_of, simulation_of
-    from pix2pred.domains.kitchen.scenes import RIGHT, Split, start_world
+    from pix2pred.domains.kitchen.scenes import RIGHT, start_world
+    from pix2pred.domains.seeds import Split
 
     data = simulation_of(start_world(0, Split.TASKS, index, RIGHT))
     return lambda: picture_of(data).image.pixels(), lambda: kitchen_camera().pixels(data)

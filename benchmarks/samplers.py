@@ -28,7 +28,7 @@ from pix2pred.domains.kitchen.classifiers import true_atoms
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
 from pix2pred.domains.kitchen.scenes import KETTLE_PUSH, RIGHT, boiling, push_kettle
 from pix2pred.domains.kitchen.vocabulary import INITIAL, OBJECTS, PUSH_KETTLE
-from pix2pred.domains.kitchen.world import World, standing_world
+from pix2pred.domains.kitchen.world import KitchenWorld, standing_world
 from pix2pred.learning import LearningSettings, learn_operators
 from pix2pred.learning.samplers.learn import SamplerFitter, fit_gaussian, learn_samplers
 from pix2pred.learning.samplers.networks import fit_networks
@@ -57,7 +57,7 @@ class Push:
     worked: bool
 
 
-def start(rng: np.random.Generator) -> World:
+def start(rng: np.random.Generator) -> KitchenWorld:
     return standing_world(RIGHT, float(rng.uniform(0.4, 0.55)), (0.0, 0.0, -0.6, 0.0))
 
 
@@ -70,7 +70,7 @@ def demonstrate(seed: int, index: int) -> Push:
     return push(world, tuple(float(p) for p in params), index)
 
 
-def push(world: World, params: Params, index: int) -> Push:
+def push(world: KitchenWorld, params: Params, index: int) -> Push:
     environment = KitchenEnvironment(world, boiling("3"))
     action = push_kettle("3", params)
     states, held = [], []
@@ -104,7 +104,9 @@ def learned(pushes: Sequence[Push], fit: SamplerFitter) -> tuple[Sampler, tuple[
     return samplers[operator.name], tuple(names[v.type.name] for v in operator.parameters)
 
 
-def draws(sampler: Sampler, names: Sequence[str], worlds: Sequence[World], seed: int) -> tuple[list[Params], float]:
+def draws(
+    sampler: Sampler, names: Sequence[str], worlds: Sequence[KitchenWorld], seed: int
+) -> tuple[list[Params], float]:
     """Parameters for every world, and how many draws were rejected on average."""
     by_name = {o.name: o for o in OBJECTS}
     objects = [by_name[n] for n in names]
@@ -123,7 +125,7 @@ class Trial:
 
     seed: int
     pushes: Sequence[Push]
-    worlds: Sequence[World]
+    worlds: Sequence[KitchenWorld]
 
     def methods(self, size: int) -> dict[str, Callable[[], tuple[list[Params], float] | None]]:
         """What to do with the first ``size`` demonstrations: parameters for every kettle and rejections per draw."""

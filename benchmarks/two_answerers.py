@@ -19,7 +19,7 @@ from burger_pool import demonstration_worlds
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.families import load_families
 from pix2pred.domains.burger.truth import concept_value
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.execution import Solver
 from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import labeller_for
@@ -63,7 +63,7 @@ def _is(concept: str) -> Value:
     return lambda world, *names: concept_value(world, concept, names)
 
 
-def _distance(world: World, a: str, b: str) -> int:
+def _distance(world: BurgerWorld, a: str, b: str) -> int:
     one, other = world.where(a), world.where(b)
     return abs(one.row - other.row) + abs(one.col - other.col)
 
@@ -72,7 +72,7 @@ def _not(value: Value) -> Value:
     return lambda *arguments: not value(*arguments)
 
 
-def _alone(world: World, robot: str) -> bool:
+def _alone(world: BurgerWorld, robot: str) -> bool:
     return not any(_distance(world, robot, t.name) <= 1 for t in world.things if t.name not in (robot, world.held))
 
 
@@ -134,7 +134,7 @@ WORDS: Mapping[str, VagueWord] = {
 class Answerer:
     """Knows the world behind every picture, and reads the words in its own way where nobody tells another one."""
 
-    def __init__(self, worlds: Mapping[str, World], side: Side, tells: bool) -> None:
+    def __init__(self, worlds: Mapping[str, BurgerWorld], side: Side, tells: bool) -> None:
         self.name = f"oracle:{side.name.lower()}"
         self._worlds = worlds
         self._side = side
@@ -165,7 +165,7 @@ def run(seed: int, count: int) -> dict[str, int]:
     """Tasks solved of ``count`` by who looked and what was told."""
     domain, family = BurgerDomain(), load_families()[FAMILY]
     demos, tasks = domain.demonstrations(FAMILY, seed), domain.tasks(FAMILY, seed, count)
-    worlds = {t.task.initial.pictures[0].image.digest: World.from_dict(t.simulator["world"]) for t in tasks}
+    worlds = {t.task.initial.pictures[0].image.digest: BurgerWorld.from_dict(t.simulator["world"]) for t in tasks}
     for index, demo in enumerate(demos):
         for state, world in zip(demo.states, demonstration_worlds(family, index, seed), strict=True):
             worlds[state.pictures[0].image.digest] = world

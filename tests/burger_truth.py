@@ -8,16 +8,17 @@ import numpy as np
 
 from pix2pred.domains.burger.classifiers import objects_of, true_atoms
 from pix2pred.domains.burger.families import bind_action, bind_atom, load_families
-from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.burger.scenes import initial_world
 from pix2pred.domains.burger.skills import policy_for
 from pix2pred.domains.burger.truth import CONCEPTS, concept_value
 from pix2pred.domains.burger.vocabulary import TYPE_OF
-from pix2pred.domains.burger.world import World, advance
+from pix2pred.domains.burger.world import BurgerWorld, advance
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.predicates import ground_atoms
 from pix2pred.structs import Application, Candidate, FromVLM, LabelledDemo, Predicate, TruthTable
 
 
-def run_skill(world: World, skill: Application) -> World:
+def run_skill(world: BurgerWorld, skill: Application) -> BurgerWorld:
     policy = policy_for(skill, world)
     while not policy.finished(world):
         world = advance(world, policy(world))

@@ -9,11 +9,12 @@ import numpy as np
 from pix2pred.domains.coffee.classifiers import AboveCup, objects_of, true_atoms
 from pix2pred.domains.coffee.demonstrator import actions_of, all_filled
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
-from pix2pred.domains.coffee.families import DEMONSTRATIONS, Recipe
-from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.coffee.families import DEMONSTRATIONS, CoffeeRecipe
+from pix2pred.domains.coffee.scenes import initial_world
 from pix2pred.domains.coffee.truth import CONCEPTS, concept_value
 from pix2pred.domains.coffee.vocabulary import GIVEN, TYPE_OF
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.predicates import ground_atoms
 from pix2pred.structs import Candidate, FromVLM, LabelledDemo, Predicate, TruthTable
 from pix2pred.structs.environment import StepStatus
@@ -23,7 +24,7 @@ def visual(name: str, concept: str) -> Predicate:
     return Predicate(name, tuple(TYPE_OF[t] for t in CONCEPTS[concept].types), FromVLM(name))
 
 
-def run(recipe: Recipe, world: World) -> list[World]:
+def run(recipe: CoffeeRecipe, world: CoffeeWorld) -> list[CoffeeWorld]:
     """The worlds before, between and after the skills of ``recipe``."""
     environment = CoffeeEnvironment(world, GIVEN, (), AboveCup.ANYWHERE)
     worlds = [world]
@@ -38,7 +39,7 @@ def true_table(
     words: Mapping[str, str],
     seed: int = 0,
     above: AboveCup = AboveCup.ANYWHERE,
-    recipes: Sequence[Recipe] = DEMONSTRATIONS,
+    recipes: Sequence[CoffeeRecipe] = DEMONSTRATIONS,
 ) -> TruthTable:
     """The demonstrations with every word (name -> concept) labelled perfectly."""
     predicates = {visual(name, concept): concept for name, concept in words.items()}

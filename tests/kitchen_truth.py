@@ -8,9 +8,10 @@ import numpy as np
 
 from pix2pred.domains.kitchen.classifiers import true_atoms
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
-from pix2pred.domains.kitchen.scenes import LEFT, Split, boiling, push_kettle, start_world, turn_on
+from pix2pred.domains.kitchen.scenes import LEFT, boiling, push_kettle, start_world, turn_on
 from pix2pred.domains.kitchen.truth import CONCEPTS, value_now
 from pix2pred.domains.kitchen.vocabulary import INITIAL, OBJECTS, TYPES
+from pix2pred.domains.seeds import Split
 from pix2pred.predicates import ground_atoms
 from pix2pred.structs import Atom, Candidate, Demo, FromVLM, LabelledDemo, Predicate, State, TruthTable
 

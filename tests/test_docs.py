@@ -11,7 +11,7 @@ import pytest
 from doc_runner import Command, Follower, SavedFile, matches, parts
 from notebook import printed
 from pix2pred.domains.burger import BurgerDomain
-from pix2pred.domains.burger.families import Family
+from pix2pred.domains.burger.families import BurgerFamily
 from pix2pred.vlm.mailbox import MailboxVLM
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -22,7 +22,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draws only the demonstrations that the page uses, and looks into mailboxes more often; changes no output."""
     whole = BurgerDomain._family
 
-    def cut(self: BurgerDomain, name: str) -> Family:
+    def cut(self: BurgerDomain, name: str) -> BurgerFamily:
         family = whole(self, name)
         return replace(family, demonstrations=family.demonstrations[:4])
 

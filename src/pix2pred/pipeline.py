@@ -56,7 +56,7 @@ class Pool:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class Gathered:
     """All that a model was asked for: its proposals, and its labels of their atoms in every state."""
 
     proposals: tuple[Proposal, ...]
@@ -154,7 +154,7 @@ def label(problem: LearningProblem, pool: Pool) -> Labelling:
     return labelling
 
 
-def ask(problem: LearningProblem, pool: PoolMaker = whole_pool) -> Asked:
+def ask(problem: LearningProblem, pool: PoolMaker = whole_pool) -> Gathered:
     """Propose and label: the part of the method that asks the model (method 2-4).
 
     Raises ``PictureError`` for a state without readable pictures, ``EmptyProposalError`` when the model proposes
@@ -165,7 +165,7 @@ def ask(problem: LearningProblem, pool: PoolMaker = whole_pool) -> Asked:
             if not state.pictures:
                 raise PictureError(f"demonstration {demo.name}: state {t} has no picture to ask about")
     made = pool(problem)
-    return Asked(made.proposals, label(problem, made))
+    return Gathered(made.proposals, label(problem, made))
 
 
 def climb(

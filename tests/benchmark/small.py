@@ -16,7 +16,8 @@ from pix2pred.benchmark import Run, Suite, run_suite
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.demonstrator import demonstrate
 from pix2pred.domains.burger.families import load_families
-from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.burger.scenes import initial_world
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.registry import Registry
 from pix2pred.structs import Demo
 from pix2pred.structs.environment import Domain, SimulatedTask

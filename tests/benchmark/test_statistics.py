@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pix2pred.benchmark.rows import Row, TryOutcome
-from pix2pred.benchmark.statistics import Cell, cell, sign_test, wilson
+from pix2pred.benchmark.statistics import TableCell, cell, sign_test, wilson
 
 
 def row(seed: int, outcome: TryOutcome, cause: str = "") -> Row:
@@ -43,7 +43,7 @@ def test_a_cell_counts_per_seed_and_names_causes() -> None:
     rows = [row(0, TryOutcome.SOLVED), row(0, TryOutcome.FAILED, "wrong label"), row(1, TryOutcome.SOLVED),
             row(1, TryOutcome.SOLVED), row(2, TryOutcome.BUDGET, "budget"), row(2, TryOutcome.SOLVED)]  # fmt: skip
     found = cell(rows)
-    assert isinstance(found, Cell)
+    assert isinstance(found, TableCell)
     assert (found.tries, found.by_seed, found.solved, found.labels) == (6, (1, 2, 1), 4, 12)
     assert found.mean == pytest.approx(4 / 3) and round(found.sd, 4) == 0.5774
     assert found.failures == {"wrong label": 1, "budget": 1}
@@ -57,4 +57,4 @@ def test_what_was_not_tried_is_no_zero() -> None:
 
 def test_one_seed_has_no_deviation() -> None:
     found = cell([row(0, TryOutcome.SOLVED)])
-    assert isinstance(found, Cell) and found.sd == 0 and found.text == "1.0 ± 0.0"
+    assert isinstance(found, TableCell) and found.sd == 0 and found.text == "1.0 ± 0.0"

@@ -15,7 +15,7 @@ from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.random_worlds import random_worlds
 from pix2pred.domains.burger.truth import concept_value
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.execution import Solver
 from pix2pred.execution.monitor import necessary_atoms
 from pix2pred.learning import LearningSettings, learn_operators
@@ -48,7 +48,7 @@ class Watched(BurgerEnvironment):
     """Remembers which world every picture shows, so that an oracle can answer from pictures."""
 
     inner: BurgerEnvironment
-    shown: dict[str, World] = field(default_factory=dict)
+    shown: dict[str, BurgerWorld] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.__dict__.update(self.inner.__dict__)
@@ -136,7 +136,7 @@ def test_disturbances_are_repeatable_and_keep_worlds_legal() -> None:
         disturb.reset()
         assert [disturb(world) for _ in range(5)] == first
         for changed in first:
-            assert World.from_dict(changed.to_dict()) == changed
+            assert BurgerWorld.from_dict(changed.to_dict()) == changed
             assert sorted(t.name for t in changed.things) == sorted(t.name for t in world.things)
             cells = [(t.cell, t.z) for t in changed.things if t.name != changed.held]
             assert len(cells) == len(set(cells))

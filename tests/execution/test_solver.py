@@ -12,7 +12,7 @@ import burger_truth
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.truth import concept_value
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.learning import LearningSettings, learn_operators
 from pix2pred.planning import AStar, GreedyBestFirst, Planner
@@ -43,7 +43,7 @@ def tasks() -> Sequence[SimulatedTask]:
 class Lies:
     """Ground truth of a world, with some atoms answered wrongly."""
 
-    world: World
+    world: BurgerWorld
     wrong: frozenset[str] = frozenset()
 
     def __call__(self, view: View, word: str, names: Sequence[str]) -> bool | None:

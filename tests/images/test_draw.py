@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import pix2pred.images.draw
 import pix2pred.images.shown
 from pix2pred.domains.burger.drawing.render import render
-from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
+from pix2pred.domains.burger.world import EDGE_CELLS, BurgerWorld, Cell, Heading, Thing
 from pix2pred.images import ShownPictures, draw_view, encode_png, skill_crop
 from pix2pred.images.marks import Mark, place_names
 from pix2pred.structs import Box, Image, Picture, Pixels, State
@@ -29,7 +29,7 @@ MARKED = replace(PLAIN, marks=True)
 STACK = ("bottom_bun1", "patty1", "lettuce1", "cheese1", "patty2", "top_bun1")
 
 
-def kitchen(stack_cell: Cell = Cell(4, 1), held: str | None = None) -> World:  # noqa: B008
+def kitchen(stack_cell: Cell = Cell(4, 1), held: str | None = None) -> BurgerWorld:  # noqa: B008
     """The tallest stack, a burger beside it, and covered stations."""
     tall = [Thing(n, n[:-1], stack_cell, z) for z, n in enumerate(STACK)]
     burger = [Thing(n, n[:-1], Cell(4, 3), z) for z, n in enumerate(("bottom_bun2", "patty3", "top_bun2"))]
@@ -37,7 +37,7 @@ def kitchen(stack_cell: Cell = Cell(4, 1), held: str | None = None) -> World:  #
         Thing("grill", "grill", Cell(0, 2)), Thing("patty4", "patty", Cell(0, 2), 1),
         Thing("cutting_board", "cutting_board", Cell(0, 3)), Thing("lettuce2", "lettuce", Cell(0, 3), 1),
     ]  # fmt: skip
-    return World("robot", Cell(2, 2), Heading.DOWN, held, (*tall, *burger, *stations), 3)
+    return BurgerWorld("robot", Cell(2, 2), Heading.DOWN, held, (*tall, *burger, *stations), 3)
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,9 @@ from pix2pred.domains.coffee import CoffeeDomain
 from pix2pred.domains.coffee.classifiers import AboveCup, objects_of, true_atoms
 from pix2pred.domains.coffee.demonstrator import all_filled
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
-from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.coffee.scenes import initial_world
 from pix2pred.domains.coffee.vocabulary import GIVEN
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.execution.episode import open_loop
 from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, hill_climbing, learn_operators

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 from random import Random
 
-from pix2pred.planning.pddl.check import World
+from pix2pred.planning.pddl.check import CheckedState
 from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.planning.pddl.steps import PddlStep
 
@@ -94,7 +94,7 @@ def cheapest(domain: PddlDomain, problem: PddlProblem, limit: int = 400) -> int 
 
     ``None`` when there is none, -1 when there are more than ``limit`` states.
     """
-    world = World(domain, problem)
+    world = CheckedState(domain, problem)
     names = [o.name for o in problem.objects]
     steps = [PddlStep(a.name, args) for a in domain.actions for args in product(names, repeat=len(a.parameters))]
     start = frozenset((a.predicate.name, *(o.name for o in a.objects)) for a in problem.initial)

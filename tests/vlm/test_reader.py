@@ -21,7 +21,7 @@ from pix2pred.domains.burger.drawing.render import render
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.random_worlds import random_worlds
 from pix2pred.domains.burger.vocabulary import SKILL_OF, SKILLS
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.predicates import Labeller, LabelSettings, StepToLabel, ground_atoms
 from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Label, Object, Picture, Predicate, State
@@ -59,11 +59,11 @@ def label(state: State, objects: Sequence[Object]) -> dict[Atom, Label]:
     return labeller.first(state, objects, all_atoms(objects)).values
 
 
-def state_of(world: World) -> tuple[State, list[Object]]:
+def state_of(world: BurgerWorld) -> tuple[State, list[Object]]:
     return State((render(world),)), sorted(objects_of(world))
 
 
-def cooking() -> tuple[World, World, list[Object]]:
+def cooking() -> tuple[BurgerWorld, BurgerWorld, list[Object]]:
     """A scene before and after interacting with a raw patty on the grill: equal boxes, other pixels."""
     task = BurgerDomain().tasks("more-stacks", 4321, 1)[0]
     objects = {o.name: o for o in task.task.objects}

@@ -6,7 +6,7 @@ import io
 from typing import Any
 
 from pix2pred.benchmark.runner import Run
-from pix2pred.benchmark.statistics import Cell, cell_of
+from pix2pred.benchmark.statistics import TableCell, cell_of
 from pix2pred.system.errors import Pix2predError
 
 COLOURS = ("#1b6ca8", "#9aa0a6", "#5f6368", "#c58b2a", "#7b9e3a", "#a4508b", "#d0694f", "#3aa6a0", "#7d6bb0")
@@ -40,17 +40,17 @@ def draw(run: Run) -> bytes:
 
 def _any_cell(run: Run, family: str) -> bool:
     return any(
-        isinstance(cell_of(run.rows, a, family, v), Cell) for a in run.suite.approaches for v in run.suite.values
+        isinstance(cell_of(run.rows, a, family, v), TableCell) for a in run.suite.approaches for v in run.suite.values
     )
 
 
 def _bars(run: Run, families: list[str], axes: Any) -> None:
-    shown = [a for a in run.suite.approaches if any(isinstance(cell_of(run.rows, a, f), Cell) for f in families)]
+    shown = [a for a in run.suite.approaches if any(isinstance(cell_of(run.rows, a, f), TableCell) for f in families)]
     width = 0.8 / max(1, len(shown))
     for i, approach in enumerate(shown):
         for x, family in enumerate(families):
             found = cell_of(run.rows, approach, family)
-            if isinstance(found, Cell):
+            if isinstance(found, TableCell):
                 place = x + (i - (len(shown) - 1) / 2) * width
                 colour = COLOURS[list(run.suite.approaches).index(approach) % len(COLOURS)]
                 axes.bar(place, found.mean, width * 0.92, color=colour, label=approach if x == 0 else None)
@@ -71,7 +71,7 @@ def _curves(run: Run, families: list[str], figure: Any) -> None:
     for axes, family in zip(figure.subplots(1, len(families), squeeze=False)[0], families, strict=True):
         for i, approach in enumerate(run.suite.approaches):
             points = [(v, cell_of(run.rows, approach, family, v)) for v in run.suite.values]
-            found = [(v, c) for v, c in points if isinstance(c, Cell) and v is not None]
+            found = [(v, c) for v, c in points if isinstance(c, TableCell) and v is not None]
             if found:
                 xs, ys = [v for v, _ in found], [100 * c.mean / c.per_seed for _, c in found]
                 sds = [100 * c.sd / c.per_seed for _, c in found]

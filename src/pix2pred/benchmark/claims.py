@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.benchmark.rows import Row, TryOutcome
 from pix2pred.benchmark.runner import Run
-from pix2pred.benchmark.statistics import Cell, cell, cell_of
+from pix2pred.benchmark.statistics import TableCell, cell, cell_of
 
 
 class ClaimVerdict(StrEnum):
@@ -151,7 +151,7 @@ def judge_interim(interim: Interim, run: Run) -> list[tuple[str, str, ClaimVerdi
         for family, (mean, sd) in zip(interim.families, numbers, strict=True):
             said = f"{mean:g} ± {sd:g}"
             measured = cell_of(run.rows, approach, family)
-            if not isinstance(measured, Cell):
+            if not isinstance(measured, TableCell):
                 found.append((family, approach, _missing(measured), f"interim {said}"))
                 continue
             ten = 10 / measured.per_seed
@@ -169,7 +169,7 @@ def _overall(verdicts: Sequence[ClaimVerdict]) -> ClaimVerdict:
     return ClaimVerdict.NOT_RUN
 
 
-def _missing(found: Cell | TryOutcome | None) -> ClaimVerdict:
+def _missing(found: TableCell | TryOutcome | None) -> ClaimVerdict:
     return ClaimVerdict.NEEDS_MODEL if found == TryOutcome.NEEDS_MODEL else ClaimVerdict.NOT_RUN
 
 
@@ -177,12 +177,12 @@ def _verdict(holds: bool) -> ClaimVerdict:
     return ClaimVerdict.HOLDS if holds else ClaimVerdict.FAILS
 
 
-def _pair(claim: _Pair, run: Run, family: str) -> tuple[Cell, Cell] | ClaimVerdict:
+def _pair(claim: _Pair, run: Run, family: str) -> tuple[TableCell, TableCell] | ClaimVerdict:
     cells = [cell_of(run.rows, name, family) for name in (claim.better, claim.worse)]
     better, worse = cells
-    if isinstance(better, Cell) and isinstance(worse, Cell):
+    if isinstance(better, TableCell) and isinstance(worse, TableCell):
         return better, worse
-    missing = [_missing(c) for c in cells if not isinstance(c, Cell)]
+    missing = [_missing(c) for c in cells if not isinstance(c, TableCell)]
     return ClaimVerdict.NOT_RUN if ClaimVerdict.NOT_RUN in missing else ClaimVerdict.NEEDS_MODEL
 
 
@@ -204,7 +204,7 @@ def _comparable(claim: Comparable, run: Run, family: str) -> tuple[ClaimVerdict,
 
 def _near_zero(claim: NearZero, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     found = cell_of(run.rows, claim.approach, family)
-    if not isinstance(found, Cell):
+    if not isinstance(found, TableCell):
         return _missing(found), ""
     return _verdict(found.mean <= claim.bound), found.text
 
@@ -215,7 +215,7 @@ def _second_half(claim: NoneOfSecondHalf, run: Run, family: str) -> tuple[ClaimV
         rows = [r for r in run.rows if (r.approach, r.family, r.seed) == (claim.approach, family, seed)]
         half += rows[(len(rows) + 1) // 2 :] if len(rows) > 1 else rows
     found = cell(half)
-    if not isinstance(found, Cell):
+    if not isinstance(found, TableCell):
         return _missing(found), ""
     return _verdict(found.solved == 0), f"{found.solved} of {found.tries}"
 
@@ -246,7 +246,7 @@ def _set_size(claim: SetSize, run: Run, family: str) -> tuple[ClaimVerdict, str]
 
 def _main_cause(claim: MainCause, run: Run, family: str) -> tuple[ClaimVerdict, str]:
     found = cell_of(run.rows, claim.approach, family)
-    if not isinstance(found, Cell):
+    if not isinstance(found, TableCell):
         return _missing(found), ""
     if not found.failures:
         return ClaimVerdict.NOT_RUN, "no failures"

@@ -42,7 +42,7 @@ def sign_test(wins: int, losses: int) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class TableCell:
     """All tries of one approach on one family (at one value of the axis).
 
     ``by_seed`` counts solved tasks per seed; ``mean`` and ``sd`` are over seeds, ``interval`` is of the share of all
@@ -86,14 +86,14 @@ class Cell:
         return f"{self.mean:.1f} ± {self.sd:.1f}"
 
 
-def cell(rows: Iterable[Row]) -> Cell | TryOutcome | None:
+def cell(rows: Iterable[Row]) -> TableCell | TryOutcome | None:
     """The tries among ``rows``; why there are none; or None for no rows at all."""
     found = list(rows)
     tried = [r for r in found if r.outcome.scored]
     if not tried:
         return found[0].outcome if found else None
     seeds = sorted({r.seed for r in tried})
-    return Cell(
+    return TableCell(
         len(tried),
         tuple(sum(r.outcome == TryOutcome.SOLVED for r in tried if r.seed == seed) for seed in seeds),
         Counter(r.cause or r.failure for r in tried if r.outcome != TryOutcome.SOLVED),
@@ -102,6 +102,8 @@ def cell(rows: Iterable[Row]) -> Cell | TryOutcome | None:
     )
 
 
-def cell_of(rows: Sequence[Row], approach: str, family: str, value: float | None = None) -> Cell | TryOutcome | None:
+def cell_of(
+    rows: Sequence[Row], approach: str, family: str, value: float | None = None
+) -> TableCell | TryOutcome | None:
     """The cell of an approach and a family."""
     return cell(r for r in rows if (r.approach, r.family, r.value) == (approach, family, value))

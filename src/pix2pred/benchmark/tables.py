@@ -11,7 +11,7 @@ from dataclasses import replace
 from pix2pred.benchmark.claims import Judged, Published, judge, judge_interim
 from pix2pred.benchmark.rows import TryOutcome
 from pix2pred.benchmark.runner import Run, expected
-from pix2pred.benchmark.statistics import Cell, cell_of, sign_test
+from pix2pred.benchmark.statistics import TableCell, cell_of, sign_test
 
 
 def markdown(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -34,8 +34,8 @@ def solved_table(run: Run) -> str:
     return markdown(["approach", *values], rows)
 
 
-def _solved(found: Cell | TryOutcome | None) -> str:
-    if not isinstance(found, Cell):
+def _solved(found: TableCell | TryOutcome | None) -> str:
+    if not isinstance(found, TableCell):
         return found.value if found else "not run"
     return f"{found.text} [{100 * found.interval.low:.0f}, {100 * found.interval.high:.0f}] %"
 
@@ -67,7 +67,7 @@ def failure_table(run: Run) -> str:
     rows = []
     for approach in run.suite.approaches:
         cells = [cell_of(run.rows, approach, f.name, v) for f in run.suite.families for v in run.suite.values]
-        tried = [c for c in cells if isinstance(c, Cell)]
+        tried = [c for c in cells if isinstance(c, TableCell)]
         if tried:
             causes = sum((c.failures for c in tried), Counter[str]())
             labels, errors = sum(c.labels for c in tried), sum(c.label_errors for c in tried)
@@ -159,7 +159,7 @@ def summary_csv(run: Run) -> str:
             for value in run.suite.values:
                 found = cell_of(run.rows, approach, entry.name, value)
                 key = [approach, entry.name, "" if value is None else f"{value:g}"]
-                if isinstance(found, Cell):
+                if isinstance(found, TableCell):
                     figures = [found.mean, found.sd, found.interval.low, found.interval.high]
                     writer.writerow([*key, "tried", found.tries, found.solved, *(f"{x:.4f}" for x in figures)])
                 else:

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from pix2pred.api import load_solver
 from pix2pred.cli.console import UsageError, err, out, print_json, print_solved
 from pix2pred.cli.data import generate
-from pix2pred.cli.learn import Asking, project_settings, run_learning
+from pix2pred.cli.learn import ModelToAsk, project_settings, run_learning
 from pix2pred.cli.ranges import NOT_NEGATIVE, POSITIVE, output_folder
 from pix2pred.cli.solve import run_solving
 from pix2pred.demos import read_project, read_tasks
@@ -129,7 +129,7 @@ def _learn_and_solve(
     _say_what_it_proves(recording)
     tasks = [SimulatedTask(s.task, s.simulator or {}) for s in stored]
     settings = project_settings(project, *([of_file(shown.config)] if shown.config else []))
-    metrics = run_learning(registry, project, settings, Asking(shown.vlm), run, quiet=quiet)
+    metrics = run_learning(registry, project, settings, ModelToAsk(shown.vlm), run, quiet=quiet)
     with RunFolder(run).locked() as folder:
         solver, _ = load_solver(folder, "portfolio", registry=registry)
         summary = run_solving(

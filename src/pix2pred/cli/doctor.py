@@ -16,7 +16,7 @@ from cyclopts import Parameter
 from pix2pred import __version__
 from pix2pred.cli.console import out, plain, print_json
 from pix2pred.images import ShownPictures
-from pix2pred.registry import REGISTRY, load_domain
+from pix2pred.registry import Registry
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
 from pix2pred.system.errors import Pix2predError
@@ -25,13 +25,14 @@ from pix2pred.vlm.answers.replay import replayed
 from pix2pred.vlm.checkup import check
 
 _PACKAGES = {
-    "core": ("pydantic-ai-slim", "openai", "genai-prices", "numpy", "pillow", "scikit-learn"),
+    "": ("pydantic-ai-slim", "openai", "genai-prices", "numpy", "pillow", "scikit-learn"),
     "[anthropic]": ("anthropic",),
     "[google]": ("google-genai",),
     "[sim]": ("mujoco",),
     "[torch]": ("torch",),
     "[planners]": ("unified-planning",),
 }
+"""Packages that are looked for, by the extra that brings them; those of the core come with pix2pred itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,7 @@ def doctor(
         str | None, Parameter(help="Also ask this model at most six questions; a paid model costs a few cents.")
     ] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
+    registry: Annotated[Registry, Parameter(parse=False)],
 ) -> int:
     """Say what is installed, which providers have keys (never the keys), and whether models and rendering work.
 
@@ -56,7 +58,7 @@ def doctor(
 
     - `pix2pred doctor --vlm openai:gpt-4o`
     """
-    findings = [*_installed(), *_keys(), _rendering(), *(_model(vlm) if vlm else ())]
+    findings = [*_installed(), *_keys(registry), _rendering(registry), *(_model(registry, vlm) if vlm else ())]
     if json:
         print_json({"findings": [{"what": f.what, "ok": f.ok, "detail": f.detail} for f in findings]})
     else:
@@ -70,24 +72,24 @@ def _installed() -> Iterator[Finding]:
     yield Finding("pix2pred", True, f"{__version__} with Python {platform.python_version()} on {sys.platform}")
     for extra, packages in _PACKAGES.items():
         for name in packages:
+            what = f"{name} {extra or 'core'}"
             try:
-                yield Finding(f"{name} {extra}", True, version(name))
+                yield Finding(what, True, version(name))
             except PackageNotFoundError:
-                needed = extra == "core"
-                install = "reinstall pix2pred" if needed else f"pip install 'pix2pred{extra}'"
-                yield Finding(f"{name} {extra}", False if needed else None, f"not installed ({install})")
+                install = f"pip install 'pix2pred{extra}'" if extra else "reinstall pix2pred"
+                yield Finding(what, None if extra else False, f"not installed ({install})")
 
 
-def _keys() -> Iterator[Finding]:
-    for provider in REGISTRY.providers():
+def _keys(registry: Registry) -> Iterator[Finding]:
+    for provider in registry.providers():
         has = provider.key() is not None
         what = "is set" if has else f"set {provider.keys_in_words}"
         yield Finding(f"key for {provider.name}", True if has else None, what)
 
 
-def _rendering() -> Finding:
+def _rendering(registry: Registry) -> Finding:
     try:
-        task = load_domain("burger").tasks("more-stacks", 0, 1)[0].task
+        task = registry.domain("burger").tasks("more-stacks", 0, 1)[0].task
         picture = task.initial.pictures[0]
         size = len(ShownPictures()(View(picture, 0, heading="state 0")))
     except Exception as error:  # a report of what does not work ends with no traceback
@@ -95,25 +97,25 @@ def _rendering() -> Finding:
     return Finding("rendering", True, f"a burger scene with marks and heading, {size} bytes of PNG")
 
 
-def _model(spec: str) -> Iterator[Finding]:
+def _model(registry: Registry, spec: str) -> Iterator[Finding]:
     """What a few cheap questions to the model find out. A mailbox is looked at and asked nothing: a person answers."""
     flow = FlowSettings(tries=3, timeout=60.0, longest_pause=3.0, max_wait=60.0)
     try:
-        named = REGISTRY.model_spec(spec)
+        named = registry.model_spec(spec)
         if named.waits_in is not None:
             yield Finding(spec, *_mailbox(named.waits_in))
             return
         if named.own_answers is not None:
             yield Finding(spec, *_replay(named.own_answers))
             return
-        model = REGISTRY.vlm(spec, None, flow)
+        model = registry.vlm(spec, None, flow)
     except Pix2predError as error:
         yield Finding(spec, False, plain(str(error)))
         return
     views = [View(_square(color, name), t, heading=f"state {t}") for t, (color, name) in enumerate(_SQUARES)]
     traits = list(check(model, views))
-    for trait in traits:
-        yield Finding(spec if trait.what == "answers" else f"  {trait.what}", trait.ok, plain(trait.detail))
+    for trait in traits:  # whether it answers at all comes first
+        yield Finding(spec if trait is traits[0] else f"  {trait.what}", trait.ok, plain(trait.detail))
     if settings := [trait.setting for trait in traits if trait.setting]:
         yield Finding("  settings that follow", None, "; ".join(settings))
 

@@ -15,7 +15,6 @@ from pix2pred.demos import Project, join_projects, project_digest, read_project
 from pix2pred.pipeline import LearningProblem, ask
 from pix2pred.registry import MODEL_FORMS, NO_LIMITS, Registry
 from pix2pred.report import REPORT, write_report
-from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import CONFIG
 from pix2pred.runs.learn import learn_into, relearn, run_config
@@ -24,11 +23,11 @@ from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import AnswerStore, StoreMode
 from pix2pred.vlm.control.estimate import EstimatingVLM
 from pix2pred.vlm.control.guard import Expected
-from pix2pred.vlm.model_spec import Spending
+from pix2pred.vlm.model_spec import ModelSpec, Spending
 
 
 @dataclass(frozen=True, slots=True)
-class Asking:
+class ModelToAsk:
     """Which model is asked, where its answers are kept, and what may be spent."""
 
     vlm: str = "offline"
@@ -73,10 +72,10 @@ class AskingOptions:
     ] = None
 
     @property
-    def asking(self) -> Asking:
+    def asking(self) -> ModelToAsk:
         """The model, its answer store and what may be spent."""
         limits = Spending(self.max_requests, self.max_cost)
-        return Asking(self.vlm or "offline", self.answers, self.mode or StoreMode.RESUME, limits)
+        return ModelToAsk(self.vlm or "offline", self.answers, self.mode or StoreMode.RESUME, limits)
 
     @property
     def settings(self) -> Layer:
@@ -147,7 +146,7 @@ def learn(
 
 
 def run_learning(
-    registry: Registry, project: Project, settings: Settings, asking: Asking, out: Path, *, quiet: bool
+    registry: Registry, project: Project, settings: Settings, asking: ModelToAsk, out: Path, *, quiet: bool
 ) -> dict[str, Any]:
     """Learn into the run folder ``out`` with progress bars; gives the summary."""
     domain = (project.simulator or {}).get("domain")
@@ -159,7 +158,7 @@ def run_learning(
         problem = LearningProblem(project.vocabulary, project.demos, model, settings)
         digest = project_digest(project)
         run.claim(run_config(problem, digest, asking.vlm, out, project.simulator, asking.answers))
-        say_where_questions_wait(asking.vlm)
+        say_where_questions_wait(registry.model_spec(asking.vlm))
         with bars() as progress:
             learned = learn_into(run, replace(problem, progress=progress))
         write_report(run)
@@ -169,11 +168,11 @@ def run_learning(
     return learned.metrics
 
 
-def say_where_questions_wait(vlm: str) -> None:
-    """Say where a mailbox is, if the model is one."""
-    kind, folder = vlm.partition(":")[0], addresses.folder_of(vlm)
-    if kind == "mailbox" and folder is not None:
-        err.print(f"Questions wait for answers in {folder}; its README.md says how. Ctrl-C stops.", markup=False)
+def say_where_questions_wait(model: ModelSpec) -> None:
+    """Say where questions wait, if the model is a person."""
+    if model.waits_in is not None:
+        said = f"Questions wait for answers in {model.waits_in}; its README.md says how. Ctrl-C stops."
+        err.print(said, markup=False)
 
 
 def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:

@@ -92,7 +92,7 @@ def plan(
     solver, config = load_solver(RunFolder(run), planner, ask_again=ask_again, vlm=vlm, registry=registry)
     said = SceneInWords(goal or (), thing or (), holds or ())
     chosen = _task(RunFolder(run), solver.model, task, photo or (), said)
-    say_where_questions_wait(vlm or addresses.reached(config["vlm"], run))
+    say_where_questions_wait(registry.model_spec(vlm or addresses.reached(config["vlm"], run)))
     with PlanFolder.locked(out_dir or run / "plans" / chosen.name) as folder:
         session = folder.session(chosen, solver.model, solver.labeller.vlm.name, retake=retake)
         scene = plan_scene(solver, chosen)

@@ -11,7 +11,7 @@ from typing import Any
 from pix2pred.demos import Project, project_digest
 from pix2pred.learning import load_traces
 from pix2pred.learning.samplers.file import load_samplers
-from pix2pred.pipeline import Asked, Learned, LearningProblem, Selected, advice, ask, fit_samplers, select
+from pix2pred.pipeline import Gathered, Learned, LearningProblem, Selected, advice, ask, fit_samplers, select
 from pix2pred.predicates import EmptyProposalError, load_corrections
 from pix2pred.runs import addresses
 from pix2pred.runs.clock import StageClock
@@ -68,7 +68,7 @@ def learn_into(run: RunFolder, problem: LearningProblem) -> LearnedRun:
 def _save_rest(
     run: RunFolder,
     problem: LearningProblem,
-    asked: Asked,
+    asked: Gathered,
     selected: Selected,
     samplers: Mapping[str, Sampler],
     corrections: int,
@@ -88,7 +88,7 @@ def save_learned(run: RunFolder, problem: LearningProblem, learned: Learned, spe
     ``spec`` is the name by which the model was asked for; empty when it has none. Raises ``RunFolderError`` for a
     folder that holds another run.
     """
-    asked = Asked(learned.proposals, learned.labelling)
+    asked = Gathered(learned.proposals, learned.labelling)
     run.claim(run_config(problem, project_digest(_project(problem)), spec or problem.vlm.name, run.path))
     store = AnswerStore(run.path)
     for picture in (p for demo in problem.demos for state in demo.states for p in state.pictures):

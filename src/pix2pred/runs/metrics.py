@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from pix2pred.learning import ClimbEnd, LearningSettings, Selection
-from pix2pred.pipeline import Asked, LearningProblem, Selected
+from pix2pred.pipeline import Gathered, LearningProblem, Selected
 from pix2pred.predicates import Occurrence, goal_warnings
 from pix2pred.runs.verdict import Climbed, concerns
 from pix2pred.structs import Label, TruthTable
@@ -15,7 +15,7 @@ from pix2pred.structs.samplers import Sampler
 _SHOWN_GAPS = 5
 
 
-def asked_metrics(problem: LearningProblem, asked: Asked) -> dict[str, Any]:
+def asked_metrics(problem: LearningProblem, asked: Gathered) -> dict[str, Any]:
     """Counts of what the model was asked and said."""
     table, gaps = asked.labelling.table, asked.labelling.gaps
     return {
@@ -70,7 +70,7 @@ def climbed(selection: Selection, table: TruthTable, settings: LearningSettings)
     return Climbed(len(table.candidates()), at_once, first, settings.j_threshold)
 
 
-def _gap_warnings(asked: Asked) -> list[str]:
+def _gap_warnings(asked: Gathered) -> list[str]:
     """One line per demonstration without a whole proposal, and per state and reason for which labels are missing."""
     lines = [f"{p.demo}: proposal: {p.problem}" for p in asked.proposals if p.problem]
     gaps = asked.labelling.gaps

@@ -8,7 +8,7 @@ from typing import Any
 
 from pix2pred.learning import Advice, LearningSettings, advice_document, dump_traces, selection_document
 from pix2pred.learning.samplers.file import dump_samplers
-from pix2pred.pipeline import Asked, LearningProblem, Selected
+from pix2pred.pipeline import Gathered, LearningProblem, Selected
 from pix2pred.planning.pddl.write import write_domain
 from pix2pred.predicates import Proposal, dump_evidence
 from pix2pred.runs.addresses import stores_of_pictures
@@ -37,7 +37,7 @@ def save_proposals(run: RunFolder, proposals: Sequence[Proposal]) -> None:
     run.write_json(PROPOSALS, [_proposal_doc(p) for p in proposals])
 
 
-def save_asked(run: RunFolder, problem: LearningProblem, asked: Asked) -> None:
+def save_asked(run: RunFolder, problem: LearningProblem, asked: Gathered) -> None:
     """Proposals and labels as the model gave them, its explanations, and the gaps it left."""
     save_proposals(run, asked.proposals)
     labelling = asked.labelling

@@ -51,9 +51,9 @@ class Request:
     ``sample`` numbers independent samples of one question; ``attempt`` numbers retries after unusable answers.
     ``max_tokens`` is the answer budget. ``schema`` is a JSON Schema the answer should follow, as text, where the model
     can do that; ``logprobs`` asks for the probabilities of the answer's tokens. ``about`` names the demonstration and
-    state for people, ``review`` lets a model behind a person give back what cannot be read, and ``upcoming`` are
-    pictures of the question that will probably follow, to be made ready while the model thinks: none of the three is
-    part of the question.
+    state for people, ``demo`` is the name of the demonstration alone, by which questions are counted, ``review`` lets a
+    model behind a person give back what cannot be read, and ``upcoming`` are pictures of the question that will
+    probably follow, to be made ready while the model thinks: none of the four is part of the question.
     """
 
     purpose: Purpose
@@ -65,6 +65,7 @@ class Request:
     schema: str = ""
     logprobs: bool = False
     about: str = field(default="", compare=False)
+    demo: str = field(default="", compare=False)
     review: Reviewer | None = field(default=None, compare=False)
     upcoming: tuple[View, ...] = field(default=(), compare=False)
 

@@ -7,7 +7,7 @@ import pytest
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.vocabulary import SHARED, SKILL_OF, make_object
-from pix2pred.domains.burger.world import Cell, Heading, Thing, World
+from pix2pred.domains.burger.world import BurgerWorld, Cell, Heading, Thing
 from pix2pred.structs import Action, Demo
 from pix2pred.structs.environment import Step
 
@@ -22,9 +22,9 @@ def demos() -> Mapping[str, Sequence[Demo]]:
 
 
 @pytest.fixture
-def kitchen() -> World:
+def kitchen() -> BurgerWorld:
     """Grill above the robot, board to its right, a bun with a patty on it to the left, lettuce and a patty below."""
-    return World(
+    return BurgerWorld(
         "robot", Cell(2, 2), Heading.RIGHT, None,
         (
             Thing("grill", "grill", Cell(0, 2)), Thing("cutting_board", "cutting_board", Cell(2, 4)),
@@ -42,7 +42,7 @@ def act(environment: BurgerEnvironment, skill: str, *names: str) -> Step:
 
 
 @pytest.fixture
-def episode(kitchen: World) -> BurgerEnvironment:
+def episode(kitchen: BurgerWorld) -> BurgerEnvironment:
     return BurgerEnvironment(kitchen, SHARED, ())
 
 

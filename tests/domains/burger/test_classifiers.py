@@ -7,29 +7,29 @@ import pytest
 from pix2pred.domains.burger.classifiers import holds, true_atoms
 from pix2pred.domains.burger.families import load_families
 from pix2pred.domains.burger.vocabulary import ITEM, composites, make_object, printed_name
-from pix2pred.domains.burger.world import Cell, World
+from pix2pred.domains.burger.world import BurgerWorld, Cell
 from pix2pred.structs import Atom, Demo, FromHuman, Predicate
 
 
-def texts(world: World, family: str = "bigger") -> set[str]:
+def texts(world: BurgerWorld, family: str = "bigger") -> set[str]:
     return {str(a) for a in true_atoms(world, load_families()[family].initial)}
 
 
-def test_hand_worked_scene(kitchen: World) -> None:
+def test_hand_worked_scene(kitchen: BurgerWorld) -> None:
     assert texts(kitchen) == {
         "On(patty1, bottom_bun1)", "OnGround(bottom_bun1)", "OnGround(lettuce1)", "OnGround(patty2)",
         "Clear(robot)", "Clear(grill)", "Clear(cutting_board)", "Clear(patty1)", "Clear(patty2)", "Clear(lettuce1)",
     }  # fmt: skip
 
 
-def test_holding_scene(kitchen: World) -> None:
+def test_holding_scene(kitchen: BurgerWorld) -> None:
     held = replace(kitchen, held="patty1").changed(replace(kitchen.thing("patty1"), cell=Cell(2, 2), z=1))
     found = texts(held)
     assert {"Holding(robot, patty1)", "Clear(robot)", "Clear(bottom_bun1)"} <= found
     assert not {"Clear(patty1)", "OnGround(patty1)", "On(patty1, robot)"} & found
 
 
-def test_composites_take_the_support_first(kitchen: World) -> None:
+def test_composites_take_the_support_first(kitchen: BurgerWorld) -> None:
     world = kitchen.changed(
         replace(kitchen.thing("patty1"), prepared=True),
         replace(kitchen.thing("patty2"), cell=Cell(2, 0), z=2, prepared=True),
@@ -42,7 +42,7 @@ def test_composites_take_the_support_first(kitchen: World) -> None:
     assert "RightAboveAndPrepped0(cutting_board, patty2)" in texts(on_board)
 
 
-def test_raw_never_counts(kitchen: World) -> None:
+def test_raw_never_counts(kitchen: BurgerWorld) -> None:
     assert not any("Prepped" in text for text in texts(kitchen))
 
 
@@ -70,7 +70,7 @@ def test_names_are_unique_and_numbered_by_sorted_types() -> None:
     assert printed_name("SomewhereAboveAndPrepped12") == "SomewhereAboveAndPrepped"
 
 
-def test_a_foreign_predicate_is_refused(kitchen: World) -> None:
+def test_a_foreign_predicate_is_refused(kitchen: BurgerWorld) -> None:
     atom = Atom(Predicate("Shiny", (ITEM,), FromHuman()), (make_object("patty1", "patty"),))
     with pytest.raises(ValueError, match="Shiny"):
         holds(kitchen, atom)

@@ -13,8 +13,9 @@ from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger import environment as environment_module
 from pix2pred.domains.burger.environment import HORIZON, BurgerEnvironment
 from pix2pred.domains.burger.families import Variant, bind_action, bind_atom, load_families
-from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator
+from pix2pred.domains.burger.scenes import initial_world
 from pix2pred.domains.burger.vocabulary import CHOP, COOK, PATTY, PICK, PLACE, make_object
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Application, Demo, State
 from pix2pred.structs.environment import Domain, SimulatedTask, StepStatus
 

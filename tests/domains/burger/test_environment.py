@@ -6,7 +6,7 @@ import pytest
 
 from pix2pred.domains.burger.environment import HORIZON, BurgerEnvironment
 from pix2pred.domains.burger.vocabulary import COOK, ON, PICK, SHARED, make_object
-from pix2pred.domains.burger.world import Cell, World
+from pix2pred.domains.burger.world import BurgerWorld, Cell
 from pix2pred.structs import Action, Skill
 from pix2pred.structs.environment import Step, StepStatus
 
@@ -115,7 +115,7 @@ def test_the_horizon_ends_an_episode_and_reset_begins_another(episode: BurgerEnv
     assert run("Pick", "patty1").status is DONE
 
 
-def test_goal_is_evaluated_in_the_world(kitchen: World) -> None:
+def test_goal_is_evaluated_in_the_world(kitchen: BurgerWorld) -> None:
     patty, bun = make_object("patty1", "patty"), make_object("bottom_bun1", "bottom_bun")
     assert BurgerEnvironment(kitchen, SHARED, (ON(patty, bun),)).goal_reached()
     assert not BurgerEnvironment(kitchen, SHARED, (ON(bun, patty),)).goal_reached()

@@ -7,10 +7,10 @@ import pytest
 
 from pix2pred.domains.burger.truth import CONCEPTS, concept_value
 from pix2pred.domains.burger.vocabulary import TYPE_OF
-from pix2pred.domains.burger.world import Cell, Heading, World
+from pix2pred.domains.burger.world import BurgerWorld, Cell, Heading
 
 
-def true_of(world: World) -> set[str]:
+def true_of(world: BurgerWorld) -> set[str]:
     found = set()
     for concept, meaning in CONCEPTS.items():
         pools = [[n for n, t in world.types().items() if TYPE_OF[t].is_a(TYPE_OF[w])] for w in meaning.types]
@@ -20,7 +20,7 @@ def true_of(world: World) -> set[str]:
     return found
 
 
-def test_hand_worked_scene(kitchen: World) -> None:
+def test_hand_worked_scene(kitchen: BurgerWorld) -> None:
     world = replace(kitchen, cell=Cell(2, 3)).changed(replace(kitchen.thing("patty1"), prepared=True))
     assert true_of(world) == {
         "cooked(patty1)", "hand_empty(robot)", "on(patty1, bottom_bun1)", "above(patty1, bottom_bun1)",
@@ -31,7 +31,7 @@ def test_hand_worked_scene(kitchen: World) -> None:
     }  # fmt: skip
 
 
-def test_holding_scene(kitchen: World) -> None:
+def test_holding_scene(kitchen: BurgerWorld) -> None:
     world = replace(kitchen, held="patty1", heading=Heading.UP).changed(
         replace(kitchen.thing("patty1"), cell=Cell(2, 2), z=1),
         replace(kitchen.thing("lettuce1"), cell=Cell(2, 4), z=1, prepared=True),
@@ -47,6 +47,6 @@ def test_holding_scene(kitchen: World) -> None:
 
 
 @pytest.mark.parametrize(("concept", "names"), [("tasty", ("patty1",)), ("cooked", ("lettuce1",)), ("on", ("patty1",))])
-def test_what_does_not_fit_is_refused(kitchen: World, concept: str, names: tuple[str, ...]) -> None:
+def test_what_does_not_fit_is_refused(kitchen: BurgerWorld, concept: str, names: tuple[str, ...]) -> None:
     with pytest.raises(ValueError, match=concept):
         concept_value(kitchen, concept, names)

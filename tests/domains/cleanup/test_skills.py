@@ -8,7 +8,7 @@ import pytest
 
 from extras import need
 from pix2pred.domains.cleanup import CleanupDomain
-from pix2pred.domains.cleanup.scenes import FLOOR, NARROW, TABLE, WIDE, Plan, make_world
+from pix2pred.domains.cleanup.scenes import FLOOR, NARROW, TABLE, WIDE, CleanupScene, make_world
 from pix2pred.domains.home.episode import HORIZON, HomeEnvironment
 from pix2pred.domains.home.places import in_bin, on_floor, on_table, things_in
 from pix2pred.domains.home.world import Body, World
@@ -22,7 +22,7 @@ DONE, STUCK = StepStatus.DONE, StepStatus.STUCK
 
 
 def episode(things: Mapping[str, str], **plan: object) -> HomeEnvironment:
-    world = make_world(Plan(things, **plan), Body.ROBOT, "office", np.random.default_rng(1))  # type: ignore[arg-type]
+    world = make_world(CleanupScene(things, **plan), Body.ROBOT, "office", np.random.default_rng(1))  # type: ignore[arg-type]
     return HomeEnvironment(RULES, world, ())
 
 

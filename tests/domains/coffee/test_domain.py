@@ -7,9 +7,10 @@ import pytest
 
 from extras import need
 from pix2pred.domains.coffee import CoffeeDomain
-from pix2pred.domains.coffee.scenes import CUP_GAP, MOST_CUPS, Split, initial_world, scene_generator
+from pix2pred.domains.coffee.scenes import CUP_GAP, MOST_CUPS, initial_world
 from pix2pred.domains.coffee.simulation.geometry import CUP_RADIUS
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Demo, Pixels
 from pix2pred.structs.environment import Domain, Filmed, SimulatedTask
 
@@ -129,10 +130,10 @@ def test_damaged_simulator_states_are_refused(task: SimulatedTask, damage: dict[
 )
 def test_impossible_worlds_are_refused(path: tuple[str, str], value: object) -> None:
     world = initial_world(2, scene_generator(0, Split.TASKS, 3, 0)).to_dict()
-    assert World.from_dict(world).to_dict() == world
+    assert CoffeeWorld.from_dict(world).to_dict() == world
     world[path[0]][path[1]] = value
     with pytest.raises(ValueError, match="not a coffee simulator state"):
-        World.from_dict(world)
+        CoffeeWorld.from_dict(world)
 
 
 def test_scenes() -> None:

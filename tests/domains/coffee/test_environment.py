@@ -10,7 +10,7 @@ from pix2pred.domains.coffee.classifiers import AboveCup, true_atoms
 from pix2pred.domains.coffee.environment import HORIZON, CoffeeEnvironment
 from pix2pred.domains.coffee.simulation.geometry import CUP_CAPACITIES, FULL_JUG, TABLE_Z, Point
 from pix2pred.domains.coffee.vocabulary import CUP_FILLED, GIVEN, PICK_JUG, POUR, SKILL_OF, make_object
-from pix2pred.domains.coffee.world import Cup, World
+from pix2pred.domains.coffee.world import CoffeeWorld, Cup
 from pix2pred.structs import Action, Skill
 from pix2pred.structs.environment import Step, StepStatus
 
@@ -22,7 +22,7 @@ FILL = (
 )  # fmt: skip
 
 
-def atoms(world: World, above: AboveCup = AboveCup.ANYWHERE) -> set[str]:
+def atoms(world: CoffeeWorld, above: AboveCup = AboveCup.ANYWHERE) -> set[str]:
     return {str(a) for a in true_atoms(world, GIVEN, above)} - {"NotSameCup(cup0, cup1)", "NotSameCup(cup1, cup0)"}
 
 
@@ -45,7 +45,7 @@ def test_filling_two_cups(episode: CoffeeEnvironment, run: Run) -> None:
 
 
 def test_a_jug_is_above_the_cup_under_its_spout_alone_when_the_switch_says_so(
-    kitchen_table: World, run: Run, episode: CoffeeEnvironment
+    kitchen_table: CoffeeWorld, run: Run, episode: CoffeeEnvironment
 ) -> None:
     for skill, *names in FILL:
         run(skill, *names)
@@ -70,7 +70,7 @@ def test_a_handle_turned_away_cannot_be_gripped_until_the_jug_is_rotated(
     assert run("PickJug", "jug").status is DONE
 
 
-def test_six_of_the_largest_cups_are_filled_from_one_jug(kitchen_table: World) -> None:
+def test_six_of_the_largest_cups_are_filled_from_one_jug(kitchen_table: CoffeeWorld) -> None:
     largest = max(CUP_CAPACITIES)
     cups = tuple(Cup(f"cup{i}", 0.62 + 0.07 * i, 1.2, largest) for i in range(6))
     episode = CoffeeEnvironment(replace(kitchen_table, cups=cups), GIVEN, (), AboveCup.ANYWHERE)
@@ -167,7 +167,7 @@ def test_the_horizon_ends_an_episode_and_reset_begins_another(episode: CoffeeEnv
     assert run("PickJug", "jug").status is DONE
 
 
-def test_without_cups_a_goal_over_none_holds_and_skills_still_run(kitchen_table: World) -> None:
+def test_without_cups_a_goal_over_none_holds_and_skills_still_run(kitchen_table: CoffeeWorld) -> None:
     episode = CoffeeEnvironment(replace(kitchen_table, cups=()), GIVEN, (), AboveCup.ANYWHERE)
     assert episode.goal_reached()
     robot, jug = make_object("robot", "robot"), make_object("jug", "jug")
@@ -175,7 +175,7 @@ def test_without_cups_a_goal_over_none_holds_and_skills_still_run(kitchen_table:
     assert "NotAboveCup(robot, jug)" in atoms(episode.world)
 
 
-def test_goal_is_evaluated_in_the_world(kitchen_table: World) -> None:
+def test_goal_is_evaluated_in_the_world(kitchen_table: CoffeeWorld) -> None:
     goal = (CUP_FILLED(make_object("cup0", "cup")),)
     full = kitchen_table.with_cup(replace(kitchen_table.cup("cup0"), current=0.7))
     assert not CoffeeEnvironment(kitchen_table, GIVEN, goal, AboveCup.ANYWHERE).goal_reached()

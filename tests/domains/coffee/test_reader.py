@@ -21,7 +21,7 @@ from pix2pred.domains.coffee.classifiers import objects_of
 from pix2pred.domains.coffee.simulation.geometry import FULL_JUG
 from pix2pred.domains.coffee.simulation.render import render
 from pix2pred.domains.coffee.vocabulary import SKILLS
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.predicates import Labeller, LabelSettings, ground_atoms
 from pix2pred.predicates.labelling.state_labels import StepToLabel
 from pix2pred.structs import Action, Atom, FromVLM, Image, Label, Object, Picture, Predicate, State
@@ -71,7 +71,7 @@ def label(picture: Picture, objects: Sequence[Object]) -> dict[Atom, Label]:
 
 
 @pytest.fixture
-def pair(kitchen_table: World) -> tuple[Picture, Picture]:
+def pair(kitchen_table: CoffeeWorld) -> tuple[Picture, Picture]:
     """Empty jug and machine off, full jug and machine on: equal boxes, other pixels."""
     other = replace(kitchen_table, machine_on=True, jug=replace(kitchen_table.jug, level=FULL_JUG))
     before, after = render(kitchen_table), render(other)
@@ -80,7 +80,7 @@ def pair(kitchen_table: World) -> tuple[Picture, Picture]:
 
 
 @pytest.fixture
-def objects(kitchen_table: World) -> list[Object]:
+def objects(kitchen_table: CoffeeWorld) -> list[Object]:
     return sorted(objects_of(kitchen_table))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from extras import need
-from pix2pred.domains.cleanup.scenes import NARROW, TABLE, Plan, make_world
+from pix2pred.domains.cleanup.scenes import NARROW, TABLE, CleanupScene, make_world
 from pix2pred.domains.home.cameras import LEAST_PIXELS, pictures
 from pix2pred.domains.home.drawing.bodies import MOUNTS, camera_axes, quaternion
 from pix2pred.domains.home.world import Body, World
@@ -16,7 +16,7 @@ pytestmark = [need("mujoco", extra="sim"), pytest.mark.usefixtures("drawing")]
 
 
 def made(body: Body, seed: int = 0) -> World:
-    plan = Plan({"ball": TABLE, "eraser": NARROW}, gaze="ball")
+    plan = CleanupScene({"ball": TABLE, "eraser": NARROW}, gaze="ball")
     return make_world(plan, body, "home", np.random.default_rng(seed))
 
 

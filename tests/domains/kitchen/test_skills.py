@@ -12,7 +12,7 @@ from pix2pred.domains.kitchen.arm import HOME
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
 from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, boiling, push_kettle, turn_on
 from pix2pred.domains.kitchen.vocabulary import OBJECT_OF, PUSH_KETTLE, TURN_ON_KNOB
-from pix2pred.domains.kitchen.world import World, standing_world
+from pix2pred.domains.kitchen.world import KitchenWorld, standing_world
 from pix2pred.structs import Action, Skill
 from pix2pred.structs.environment import StepStatus
 
@@ -113,7 +113,7 @@ def test_equal_episodes_are_equal_to_the_last_bit() -> None:
 
 def test_a_state_survives_json_and_nothing_else_is_taken_for_one() -> None:
     world = standing_world(LEFT, 0.45)
-    assert World.from_dict(world.to_dict()) == world
+    assert KitchenWorld.from_dict(world.to_dict()) == world
     for bad in ({}, {"positions": [1.0]}, {"positions": [math.inf] * 30}, {"positions": "x"}):
         with pytest.raises(ValueError, match="kitchen state"):
-            World.from_dict(bad)
+            KitchenWorld.from_dict(bad)

@@ -35,7 +35,7 @@ def neighbour(name: str) -> ModuleType:
     return module
 
 
-class State:
+class ChildState:
     """What a classifier sees of a state."""
 
     __slots__ = ("_scene",)
@@ -135,7 +135,7 @@ def values(job: dict[str, Any], code: CodeType, scope: dict[str, Any]) -> str:
     sys.settrace(counter(job["steps"]))
     exec(code, scope)
     classifier = scope[job["function"]]
-    states = [State(scene) for scene in job["states"]]
+    states = [ChildState(scene) for scene in job["states"]]
     said = []
     for number, names in job["queries"]:
         value = classifier(states[number], list(names))

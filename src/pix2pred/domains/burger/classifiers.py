@@ -5,32 +5,32 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 
 from pix2pred.domains.burger.vocabulary import make_object, printed_name
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.structs import Atom, Object, Predicate, groundings
 
 
-def _on(world: World, item: str, support: str) -> bool:
+def _on(world: BurgerWorld, item: str, support: str) -> bool:
     return world.supports(support, item)
 
 
-def _on_ground(world: World, item: str) -> bool:
+def _on_ground(world: BurgerWorld, item: str) -> bool:
     return world.thing(item).z == 0
 
 
-def _clear(world: World, name: str) -> bool:
+def _clear(world: BurgerWorld, name: str) -> bool:
     return name != world.held and world.cover(name) is None
 
 
-def _holding(world: World, robot: str, item: str) -> bool:
+def _holding(world: BurgerWorld, robot: str, item: str) -> bool:
     return robot == world.robot and world.held == item
 
 
-def _somewhere_above(world: World, support: str, item: str) -> bool:
+def _somewhere_above(world: BurgerWorld, support: str, item: str) -> bool:
     low, high = world.thing(support), world.thing(item)
     return low.cell == high.cell and low.z < high.z and high.prepared
 
 
-def _right_above(world: World, support: str, item: str) -> bool:
+def _right_above(world: BurgerWorld, support: str, item: str) -> bool:
     low, high = world.thing(support), world.thing(item)
     return low.cell == high.cell and low.z == high.z - 1 and high.prepared
 
@@ -45,7 +45,7 @@ _CLASSIFIERS: Mapping[str, Callable[..., bool]] = {
 }
 
 
-def holds(world: World, atom: Atom) -> bool:
+def holds(world: BurgerWorld, atom: Atom) -> bool:
     """Whether a given atom is true. Raises ``ValueError`` for a predicate of another domain."""
     name = printed_name(atom.predicate.name)
     if name not in _CLASSIFIERS:
@@ -53,12 +53,12 @@ def holds(world: World, atom: Atom) -> bool:
     return _CLASSIFIERS[name](world, *(o.name for o in atom.objects))
 
 
-def objects_of(world: World) -> tuple[Object, ...]:
+def objects_of(world: BurgerWorld) -> tuple[Object, ...]:
     """All objects of ``world``, sorted."""
     return tuple(sorted(make_object(name, kind) for name, kind in world.types().items()))
 
 
-def true_atoms(world: World, predicates: Iterable[Predicate]) -> frozenset[Atom]:
+def true_atoms(world: BurgerWorld, predicates: Iterable[Predicate]) -> frozenset[Atom]:
     """The atoms that hold, over all type-consistent groundings with distinct objects."""
     objects = objects_of(world)
     return frozenset(

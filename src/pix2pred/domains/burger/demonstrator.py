@@ -5,12 +5,12 @@ from __future__ import annotations
 from pix2pred.domains import scripted
 from pix2pred.domains.burger.classifiers import objects_of
 from pix2pred.domains.burger.environment import BurgerEnvironment
-from pix2pred.domains.burger.families import Family, Recipe, bind_action, bind_atom
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.families import BurgerFamily, BurgerRecipe, bind_action, bind_atom
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.structs import Demo
 
 
-def demonstrate(name: str, family: Family, recipe: Recipe, initial: World) -> Demo:
+def demonstrate(name: str, family: BurgerFamily, recipe: BurgerRecipe, initial: BurgerWorld) -> Demo:
     """The demonstration of ``recipe`` from ``initial``: the states before and after each skill.
 
     Raises ``RuntimeError`` when a skill of the script fails or the goal is not reached.

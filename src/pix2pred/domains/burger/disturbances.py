@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.domains.burger.world import EDGE_CELLS, Thing, World
+from pix2pred.domains.burger.world import EDGE_CELLS, BurgerWorld, Thing
 
 
 class Disturbances:
@@ -23,7 +23,7 @@ class Disturbances:
         """Start the sequence of events over."""
         self._rng = np.random.default_rng(np.random.SeedSequence(self._seed))
 
-    def __call__(self, world: World) -> World:
+    def __call__(self, world: BurgerWorld) -> BurgerWorld:
         """The world after what may have happened."""
         if self._rng.random() >= self._rate:
             return world
@@ -34,7 +34,7 @@ class Disturbances:
         return events[int(self._rng.integers(len(events)))]
 
 
-def _moves(world: World) -> list[World]:
+def _moves(world: BurgerWorld) -> list[BurgerWorld]:
     """A top item lies on another free edge cell."""
     return [
         world.changed(replace(top, cell=cell, z=0))
@@ -44,7 +44,7 @@ def _moves(world: World) -> list[World]:
     ]
 
 
-def _drops(world: World) -> list[World]:
+def _drops(world: BurgerWorld) -> list[BurgerWorld]:
     """The held item falls onto a free edge cell."""
     if world.held is None:
         return []
@@ -54,7 +54,7 @@ def _drops(world: World) -> list[World]:
     ]
 
 
-def _swaps(world: World) -> list[World]:
+def _swaps(world: BurgerWorld) -> list[BurgerWorld]:
     """Two items that lie alone on the floor change places."""
     alone = [t for t in _tops(world) if t.z == 0]
     return [
@@ -64,5 +64,5 @@ def _swaps(world: World) -> list[World]:
     ]
 
 
-def _tops(world: World) -> list[Thing]:
+def _tops(world: BurgerWorld) -> list[Thing]:
     return [t for t in world.things if t.is_item and t.name != world.held and world.cover(t.name) is None]

@@ -10,11 +10,12 @@ from pix2pred.domains.burger.classifiers import objects_of
 from pix2pred.domains.burger.demonstrator import demonstrate
 from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.environment import BurgerEnvironment
-from pix2pred.domains.burger.families import Family, Recipe, Variant, bind_atom, load_families
+from pix2pred.domains.burger.families import BurgerFamily, BurgerRecipe, Variant, bind_atom, load_families
 from pix2pred.domains.burger.observe import observe
-from pix2pred.domains.burger.scenes import Split, initial_world, scene_generator, sized_recipe
-from pix2pred.domains.burger.truth import value_now
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.scenes import initial_world, sized_recipe
+from pix2pred.domains.burger.truth import concept_value
+from pix2pred.domains.burger.world import BurgerWorld
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
@@ -80,7 +81,9 @@ class BurgerDomain:
             for index in range(count)
         )
 
-    def _task(self, name: str, family: Family, recipe: Recipe, split: Split, seed: int, index: int) -> SimulatedTask:
+    def _task(
+        self, name: str, family: BurgerFamily, recipe: BurgerRecipe, split: Split, seed: int, index: int
+    ) -> SimulatedTask:
         world = initial_world(recipe.scene, scene_generator(seed, split, family.index, index), self.held_z)
         objects = objects_of(world)
         by_name = {o.name: o for o in objects}
@@ -90,7 +93,7 @@ class BurgerDomain:
 
     def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
         assert isinstance(environment, BurgerEnvironment), "an environment of this domain"
-        return value_now(environment, concept, names)
+        return concept_value(environment.world, concept, names)
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> BurgerEnvironment:
         """A fresh episode of a task; with probability ``disturb`` something happens to the scene after a skill.
@@ -100,13 +103,13 @@ class BurgerDomain:
         if not isinstance(simulator.get("family"), str) or not isinstance(simulator.get("world"), Mapping):
             raise ValueError("not a burger simulator state: it needs 'family' and 'world'")
         family = self._family(simulator["family"])
-        world = World.from_dict(simulator["world"])
+        world = BurgerWorld.from_dict(simulator["world"])
         if set(objects_of(world)) != set(task.objects):
             raise ValueError(f"task {task.name}: its objects are not those of the simulator state")
         disturbances = Disturbances(disturb, (world.look, int(Split.DISTURBANCES))) if disturb else None
         return BurgerEnvironment(world, family.initial, task.goal, disturbances)
 
-    def _family(self, name: str) -> Family:
+    def _family(self, name: str) -> BurgerFamily:
         families = load_families()
         if name not in families:
             raise ValueError(f"burger has no family {name!r}; choose from {', '.join(families)}")

@@ -8,7 +8,7 @@ from pix2pred.domains.burger.classifiers import holds
 from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.observe import features_of, observe
 from pix2pred.domains.burger.skills import explain, policy_for
-from pix2pred.domains.burger.world import World, advance
+from pix2pred.domains.burger.world import BurgerWorld, advance
 from pix2pred.structs import Action, Application, Atom, Predicate, State
 from pix2pred.structs.environment import Step, StepStatus
 from pix2pred.structs.samplers import Features
@@ -22,7 +22,7 @@ class BurgerEnvironment:
 
     def __init__(
         self,
-        initial: World,
+        initial: BurgerWorld,
         predicates: Sequence[Predicate],
         goal: Sequence[Atom],
         disturbances: Disturbances | None = None,

@@ -27,7 +27,7 @@ Variant = Literal["paper", "reference"]
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class SceneContents:
     """What a scene holds: ``(name, type name)`` sorted by name, what starts on what, and what is held."""
 
     things: tuple[tuple[str, str], ...]
@@ -36,11 +36,11 @@ class Scene:
 
 
 @dataclass(frozen=True, slots=True)
-class Recipe:
+class BurgerRecipe:
     """A scene, the skills to run in it (none for a test task), and the goal, all by name."""
 
     name: str
-    scene: Scene
+    scene: SceneContents
     goal: tuple[Application, ...]
     skills: tuple[Application, ...] = ()
 
@@ -49,18 +49,18 @@ class Recipe:
 class TaskKinds:
     """The two kinds of test task: hand free and holding a raw patty at the start."""
 
-    free: Recipe
-    holding: Recipe
+    free: BurgerRecipe
+    holding: BurgerRecipe
 
 
 @dataclass(frozen=True, slots=True)
-class Family:
+class BurgerFamily:
     """A task family; ``index`` is its place in the file and enters its seeds."""
 
     name: str
     index: int
     initial: tuple[Predicate, ...]
-    demonstrations: tuple[Recipe, ...]
+    demonstrations: tuple[BurgerRecipe, ...]
     tests: Mapping[str, TaskKinds]
     settings: Mapping[str, Any]
 
@@ -85,13 +85,13 @@ def bind_action(application: Application, objects: Mapping[str, Object]) -> Acti
 
 
 @cache
-def load_families() -> Mapping[str, Family]:
+def load_families() -> Mapping[str, BurgerFamily]:
     """All families by name, in the order of the file."""
     text = resources.files("pix2pred.domains.burger").joinpath("families.yaml").read_text(encoding="utf-8")
     return {name: _family(name, index, data) for index, (name, data) in enumerate(yaml.safe_load(text).items())}
 
 
-def _family(name: str, index: int, data: Mapping[str, Any]) -> Family:
+def _family(name: str, index: int, data: Mapping[str, Any]) -> BurgerFamily:
     recipes = {key: _recipe(key, entry) for key, entry in data["recipes"].items()}
     demonstrations = [
         recipes[key] for block in data["demonstrations"] for _ in range(block["times"]) for key in block["cycle"]
@@ -101,18 +101,18 @@ def _family(name: str, index: int, data: Mapping[str, Any]) -> Family:
         for variant, kinds in data["tests"].items()
     }
     initial = (*SHARED, *composites(data["composites"]))
-    return Family(name, index, initial, tuple(demonstrations), tests, data["settings"])
+    return BurgerFamily(name, index, initial, tuple(demonstrations), tests, data["settings"])
 
 
-def _recipe(name: str, data: Mapping[str, Any]) -> Recipe:
+def _recipe(name: str, data: Mapping[str, Any]) -> BurgerRecipe:
     things = sorted(
         (type_name if TYPE_OF[type_name].is_a(STATION) else f"{type_name}{number}", type_name)
         for type_name, count in data["scene"].items()
         for number in range(1, count + 1)
     )
-    return Recipe(
+    return BurgerRecipe(
         name,
-        Scene(tuple(things), data.get("start", {}), data.get("held")),
+        SceneContents(tuple(things), data.get("start", {}), data.get("held")),
         tuple(parse_application(text) for text in data["goal"]),
         tuple(parse_application(text) for text in data.get("skills", ())),
     )

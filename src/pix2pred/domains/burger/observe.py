@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from pix2pred.domains.burger.classifiers import objects_of, true_atoms
 from pix2pred.domains.burger.drawing.render import render
-from pix2pred.domains.burger.world import World
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.structs import Object, Predicate, State
 
 
-def features_of(world: World) -> dict[Object, tuple[float, ...]]:
+def features_of(world: BurgerWorld) -> dict[Object, tuple[float, ...]]:
     """Row, column and level of everything; for the robot also ``fingers`` (1 while it holds) and ``dir``."""
     features: dict[Object, tuple[float, ...]] = {}
     for item in objects_of(world):
@@ -24,6 +24,6 @@ def features_of(world: World) -> dict[Object, tuple[float, ...]]:
     return features
 
 
-def observe(world: World, predicates: Sequence[Predicate]) -> State:
+def observe(world: BurgerWorld, predicates: Sequence[Predicate]) -> State:
     """The state seen in ``world``, with the true atoms of ``predicates``."""
     return State((render(world),), features_of(world), true_atoms(world, predicates))

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from pix2pred.domains.burger.scenes import ROBOT_NAME
-from pix2pred.domains.burger.world import EDGE_CELLS, SIZE, Cell, Heading, Thing, World
+from pix2pred.domains.burger.world import EDGE_CELLS, SIZE, BurgerWorld, Cell, Heading, Thing
+from pix2pred.domains.seeds import Split, scene_generator
 
 _ITEM_KINDS = ("patty", "lettuce", "cheese", "bottom_bun", "top_bun")
 _STACKED = 0.5
@@ -18,7 +19,7 @@ _TALLEST = 5
 _INTERIOR = [Cell(r, c) for r in range(1, SIZE - 1) for c in range(1, SIZE - 1)]
 
 
-def random_world(rng: np.random.Generator, look: int) -> World:
+def random_world(rng: np.random.Generator, look: int) -> BurgerWorld:
     """A random scene of one or two stations and three to eleven items, drawn in the look seeded by ``look``.
 
     Half of the items lie on others or on stations; in 45 % of the worlds the robot holds one.
@@ -45,7 +46,7 @@ def random_world(rng: np.random.Generator, look: int) -> World:
         if tops:
             held = tops[int(rng.integers(len(tops)))]
             things[held] = replace(things[held], cell=robot_cell, z=1)
-    return World(ROBOT_NAME, robot_cell, heading, held, tuple(things.values()), look)
+    return BurgerWorld(ROBOT_NAME, robot_cell, heading, held, tuple(things.values()), look)
 
 
 def _robot_pose(rng: np.random.Generator, stacks: Sequence[Sequence[Thing]]) -> tuple[Cell, Heading]:
@@ -59,13 +60,10 @@ def _robot_pose(rng: np.random.Generator, stacks: Sequence[Sequence[Thing]]) -> 
     return _INTERIOR[int(rng.integers(len(_INTERIOR)))], Heading(int(rng.integers(4)))
 
 
-def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:
-    """``looks`` differently drawn scenes with ``per_look`` arrangements each, from ``SeedSequence((seed, 2))``.
-
-    The 2 keeps these scenes apart from demonstrations and tasks (see ``scenes.Split``).
-    """
-    rng = np.random.default_rng(np.random.SeedSequence((seed, 2)))
-    worlds: list[World] = []
+def random_worlds(seed: int, looks: int, per_look: int) -> list[BurgerWorld]:
+    """``looks`` differently drawn scenes with ``per_look`` arrangements each, apart from demonstrations and tasks."""
+    rng = scene_generator(seed, Split.READER)
+    worlds: list[BurgerWorld] = []
     for _ in range(looks):
         look = int(rng.integers(2**31))
         worlds.extend(random_world(rng, look) for _ in range(per_look))

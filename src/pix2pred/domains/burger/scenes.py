@@ -3,32 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from enum import IntEnum
 
 import numpy as np
 
-from pix2pred.domains.burger.families import Recipe, Scene
-from pix2pred.domains.burger.world import EDGE_CELLS, Cell, Heading, Thing, World
+from pix2pred.domains.burger.families import BurgerRecipe, SceneContents
+from pix2pred.domains.burger.world import EDGE_CELLS, BurgerWorld, Cell, Heading, Thing
 from pix2pred.structs import Application
 
 ROBOT_NAME = "robot"
 
 
-class Split(IntEnum):
-    """The second number of a seed: what the scene is for."""
-
-    DEMONSTRATIONS = 0
-    TASKS = 1
-    DISTURBANCES = 3
-    SIZED = 4
-
-
-def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:
-    """The generator of one scene, seeded by ``(seed, split, family index, index of the demonstration or task)``."""
-    return np.random.default_rng(np.random.SeedSequence((seed, int(split), family, index)))
-
-
-def initial_world(scene: Scene, rng: np.random.Generator, held_z: int = 1) -> World:
+def initial_world(scene: SceneContents, rng: np.random.Generator, held_z: int = 1) -> BurgerWorld:
     """A uniform shuffle of ``scene`` over the 12 edge cells that are not corners.
 
     ``held_z`` is the z of an item held from the start: 1, or 0 as in the reference (method 10.2). Raises
@@ -47,10 +32,10 @@ def initial_world(scene: Scene, rng: np.random.Generator, held_z: int = 1) -> Wo
         elif name in scene.start:
             support = placed[scene.start[name]]
             placed[name] = replace(support, name=name, type=kind, z=support.z + 1)
-    return World(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), look)
+    return BurgerWorld(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), look)
 
 
-def sized_recipe(items: int) -> Recipe:
+def sized_recipe(items: int) -> BurgerRecipe:
     """A grill and ``items`` patties and bottom buns, every pair to become an open-face burger.
 
     An odd patty is left over; a single one is to be put on the grill. When the last thing finds no free cell, the
@@ -66,6 +51,8 @@ def sized_recipe(items: int) -> Recipe:
         Application("SomewhereAboveAndPrepped", (bun, patty)) for bun, patty in zip(buns, patties, strict=False)
     )
     held = patties[-1] if len(things) > len(EDGE_CELLS) else None
-    return Recipe(
-        f"{items}-items", Scene(tuple(sorted(things)), {}, held), goal or (Application("On", ("patty1", "grill")),)
+    return BurgerRecipe(
+        f"{items}-items",
+        SceneContents(tuple(sorted(things)), {}, held),
+        goal or (Application("On", ("patty1", "grill")),),
     )

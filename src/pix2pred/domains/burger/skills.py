@@ -12,12 +12,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pix2pred.domains.burger.vocabulary import SKILL_OF, TYPE_OF
-from pix2pred.domains.burger.world import Cell, Heading, Primitive, World
+from pix2pred.domains.burger.world import BurgerPrimitive, BurgerWorld, Cell, Heading
 from pix2pred.domains.scripted import check_skill
 from pix2pred.structs import Application
 
-INTERACT = Primitive(interact=True)
-TOGGLE = Primitive(toggle=True)
+INTERACT = BurgerPrimitive(interact=True)
+TOGGLE = BurgerPrimitive(toggle=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,21 +25,21 @@ class Policy:
     """A skill with its objects bound: what it walks to, what it does there, and when it is done."""
 
     target: str
-    act: Primitive
-    finished: Callable[[World], bool]
+    act: BurgerPrimitive
+    finished: Callable[[BurgerWorld], bool]
 
-    def __call__(self, world: World) -> Primitive:
+    def __call__(self, world: BurgerWorld) -> BurgerPrimitive:
         """The next primitive action."""
         goal = world.where(self.target)
         if goal == world.faced:
             return self.act
         for heading in Heading:
             if world.cell.toward(heading) == goal:
-                return Primitive(turn=heading)
+                return BurgerPrimitive(turn=heading)
         return walk(world, goal)
 
 
-def walk(world: World, goal: Cell) -> Primitive:
+def walk(world: BurgerWorld, goal: Cell) -> BurgerPrimitive:
     """The first step of a shortest path to a cell beside ``goal``; stands still when there is none.
 
     Breadth-first search over free interior cells; among equals the order up, left, down, right decides.
@@ -52,12 +52,12 @@ def walk(world: World, goal: Cell) -> Primitive:
             continue
         seen.add(cell)
         if any(cell.toward(h) == goal for h in Heading):
-            return Primitive.move(first)
+            return BurgerPrimitive.move(first)
         queue.extend((cell.toward(h), first) for h in Heading)
-    return Primitive()
+    return BurgerPrimitive()
 
 
-def policy_for(skill: Application, world: World) -> Policy:
+def policy_for(skill: Application, world: BurgerWorld) -> Policy:
     """The policy of ``skill``. Raises ``ValueError`` for an unknown skill, or objects that are absent or do not fit."""
     check_skill(skill, SKILL_OF, {name: TYPE_OF[t] for name, t in world.types().items()})
     item = skill.args[1]
@@ -71,7 +71,7 @@ def policy_for(skill: Application, world: World) -> Policy:
             return Policy(item, INTERACT, lambda w: w.thing(item).prepared)
 
 
-def explain(skill: Application, world: World) -> str:
+def explain(skill: Application, world: BurgerWorld) -> str:
     """Why ``skill`` could not end when it was started in ``world``."""
     item = skill.args[1]
     match skill.name:

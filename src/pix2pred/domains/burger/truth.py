@@ -2,84 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
-from pix2pred.domains.burger.environment import BurgerEnvironment
 from pix2pred.domains.burger.vocabulary import STATION, TYPE_OF
-from pix2pred.domains.burger.world import Heading, World
+from pix2pred.domains.burger.world import BurgerWorld, Heading
+from pix2pred.domains.words import Concept, TrueWords
 
 
-@dataclass(frozen=True, slots=True)
-class Concept:
-    """What a word means here: the type names of its arguments and its value in a world."""
-
-    types: tuple[str, ...]
-    value: Callable[..., bool]
-
-
-def _prepared(world: World, name: str) -> bool:
+def _prepared(world: BurgerWorld, name: str) -> bool:
     return world.thing(name).prepared
 
 
-def _hand_empty(world: World, robot: str) -> bool:
+def _hand_empty(world: BurgerWorld, robot: str) -> bool:
     return world.held is None
 
 
-def _holding(world: World, robot: str, item: str) -> bool:
+def _holding(world: BurgerWorld, robot: str, item: str) -> bool:
     return world.held == item
 
 
-def _held(world: World, item: str) -> bool:
+def _held(world: BurgerWorld, item: str) -> bool:
     return world.held == item
 
 
-def _on(world: World, item: str, support: str) -> bool:
+def _on(world: BurgerWorld, item: str, support: str) -> bool:
     return world.supports(support, item)
 
 
-def _above(world: World, item: str, support: str) -> bool:
+def _above(world: BurgerWorld, item: str, support: str) -> bool:
     if world.robot in (item, support) or world.held in (item, support):
         return False
     high, low = world.thing(item), world.thing(support)
     return high.cell == low.cell and high.z > low.z
 
 
-def _covered(world: World, name: str) -> bool:
+def _covered(world: BurgerWorld, name: str) -> bool:
     return world.cover(name) is not None
 
 
-def _on_ground(world: World, item: str) -> bool:
+def _on_ground(world: BurgerWorld, item: str) -> bool:
     return item != world.held and world.thing(item).z == 0
 
 
-def _on_station(world: World, item: str) -> bool:
+def _on_station(world: BurgerWorld, item: str) -> bool:
     thing = world.thing(item)
     return item != world.held and any(
         t.cell == thing.cell and TYPE_OF[t.type].is_a(STATION) for t in world.things if t.name != item
     )
 
 
-def _occupied(world: World, station: str) -> bool:
+def _occupied(world: BurgerWorld, station: str) -> bool:
     return any(t.is_item for t in world.stack(world.where(station)))
 
 
-def _facing(world: World, robot: str, name: str) -> bool:
+def _facing(world: BurgerWorld, robot: str, name: str) -> bool:
     return name != world.held and world.where(name) == world.faced
 
 
-def _adjacent(world: World, robot: str, name: str) -> bool:
+def _adjacent(world: BurgerWorld, robot: str, name: str) -> bool:
     return name != world.held and any(world.cell.toward(h) == world.where(name) for h in Heading)
 
 
 def _faces(heading: Heading) -> Concept:
-    def value(world: World, robot: str) -> bool:
+    def value(world: BurgerWorld, robot: str) -> bool:
         return world.heading == heading
 
     return Concept(("robot",), value)
 
 
-def _stacked(world: World, item: str) -> bool:
+def _stacked(world: BurgerWorld, item: str) -> bool:
     return any(
         t.is_item and (world.supports(item, t.name) or world.supports(t.name, item))
         for t in world.things
@@ -87,7 +78,7 @@ def _stacked(world: World, item: str) -> bool:
     )
 
 
-def _top_of_stack(world: World, item: str) -> bool:
+def _top_of_stack(world: BurgerWorld, item: str) -> bool:
     return item != world.held and world.cover(item) is None
 
 
@@ -114,21 +105,4 @@ CONCEPTS: Mapping[str, Concept] = {
 }
 """Every word with a ground truth."""
 
-
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
-    if concept not in CONCEPTS:
-        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
-    wanted = CONCEPTS[concept].types
-    types = world.types()
-    fits = len(names) == len(wanted) and all(
-        n in types and TYPE_OF[types[n]].is_a(TYPE_OF[t]) for n, t in zip(names, wanted, strict=True)
-    )
-    if not fits:
-        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
-    return CONCEPTS[concept].value(world, *names)
-
-
-def value_now(environment: BurgerEnvironment, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` in the environment's present state."""
-    return concept_value(environment.world, concept, names)
+concept_value = TrueWords(CONCEPTS, BurgerWorld.types, lambda given, wanted: TYPE_OF[given].is_a(TYPE_OF[wanted])).value

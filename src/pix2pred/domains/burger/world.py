@@ -67,7 +67,7 @@ class Thing:
 
 
 @dataclass(frozen=True, slots=True)
-class Primitive:
+class BurgerPrimitive:
     """One simulator step: at most one move, then a turn (-1 for none), then interact, then pick or place.
 
     ``toggle`` picks with an empty hand and places with a full one.
@@ -80,14 +80,14 @@ class Primitive:
     toggle: bool = False
 
     @classmethod
-    def move(cls, heading: Heading) -> Primitive:
+    def move(cls, heading: Heading) -> BurgerPrimitive:
         """One cell in direction ``heading``."""
         drow, dcol = _STEPS[heading]
         return cls(dcol=dcol, drow=drow)
 
 
 @dataclass(frozen=True, slots=True)
-class World:
+class BurgerWorld:
     """Everything the simulator knows. ``things`` are sorted by name; ``look`` seeds how the scene is drawn."""
 
     robot: str
@@ -136,7 +136,7 @@ class World:
         """The item directly on ``name``, if any."""
         return next((t.name for t in self.things if self.supports(name, t.name)), None)
 
-    def changed(self, *changes: Thing) -> World:
+    def changed(self, *changes: Thing) -> BurgerWorld:
         """This world with the things of the same names replaced."""
         table = {t.name: t for t in changes}
         return replace(self, things=tuple(table.get(t.name, t) for t in self.things))
@@ -154,7 +154,7 @@ class World:
         }
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> World:
+    def from_dict(cls, data: Mapping[str, Any]) -> BurgerWorld:
         """The world described by ``data``. Raises ``ValueError`` for what is not a burger world."""
         try:
             robot = data["robot"]
@@ -172,7 +172,7 @@ class World:
         return world
 
 
-def _check(world: World) -> None:
+def _check(world: BurgerWorld) -> None:
     names = [world.robot, *(t.name for t in world.things)]
     if repeated := sorted({n for n in names if names.count(n) > 1}):
         raise ValueError(f"not a burger simulator state: {repeated[0]!r} is there twice")
@@ -188,7 +188,7 @@ def _check(world: World) -> None:
         raise ValueError(f"not a burger simulator state: {world.held!r} cannot be held")
 
 
-def advance(world: World, primitive: Primitive) -> World:
+def advance(world: BurgerWorld, primitive: BurgerPrimitive) -> BurgerWorld:
     """The world after one primitive action. Raises ``ValueError`` for a diagonal or longer move."""
     if abs(primitive.dcol) + abs(primitive.drow) > 1:
         raise ValueError(f"one cell along one axis at a time, not {primitive}")
@@ -204,7 +204,7 @@ def advance(world: World, primitive: Primitive) -> World:
     return world
 
 
-def _move(world: World, heading: Heading) -> World:
+def _move(world: BurgerWorld, heading: Heading) -> BurgerWorld:
     world = replace(world, heading=heading)
     if not world.faced.walkable or world.stack(world.faced):
         return world
@@ -214,7 +214,7 @@ def _move(world: World, heading: Heading) -> World:
     return world.changed(replace(world.thing(world.held), cell=world.cell))
 
 
-def _interact(world: World) -> World:
+def _interact(world: BurgerWorld) -> BurgerWorld:
     def prepared(things: Iterable[Thing]) -> Iterable[Thing]:
         stations = {"patty": "grill", "lettuce": "cutting_board"}
         for lower in things:
@@ -225,7 +225,7 @@ def _interact(world: World) -> World:
     return world.changed(*prepared(world.stack(world.faced)))
 
 
-def _pick(world: World) -> World:
+def _pick(world: BurgerWorld) -> BurgerWorld:
     stack = world.stack(world.faced)
     if not stack or not stack[-1].is_item:
         return world
@@ -233,7 +233,7 @@ def _pick(world: World) -> World:
     return replace(world.changed(replace(top, cell=world.cell, z=1)), held=top.name)
 
 
-def _place(world: World, held: Thing) -> World:
+def _place(world: BurgerWorld, held: Thing) -> BurgerWorld:
     stack = world.stack(world.faced)
     height = stack[-1].z + 1 if stack else 0
     return replace(world.changed(replace(held, cell=world.faced, z=height)), held=None)

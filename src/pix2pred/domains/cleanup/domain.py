@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from pix2pred.domains.cleanup.families import FAMILIES, RECIPES
 from pix2pred.domains.cleanup.rules import RULES
-from pix2pred.domains.cleanup.truth import value_now
+from pix2pred.domains.cleanup.truth import concept_value
 from pix2pred.domains.home.domain import HomeDomain
-from pix2pred.domains.home.episode import HomeEnvironment
-from pix2pred.structs.environment import Environment
 
 SETTINGS: Mapping[str, Any] = {
     "operators": "cluster-and-intersect", "h_pre_frac": 1.0, "h_data_frac": 0.4, "j_threshold": 100,
@@ -23,8 +21,4 @@ class CleanupDomain(HomeDomain):
     """Clear and wipe tables, fill and dump bins."""
 
     def __init__(self) -> None:
-        super().__init__("cleanup", RULES, RECIPES, FAMILIES, SETTINGS, Path(__file__).parent / "reader")
-
-    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
-        assert isinstance(environment, HomeEnvironment), "an environment of this domain"
-        return value_now(environment, concept, names)
+        super().__init__("cleanup", RULES, RECIPES, FAMILIES, concept_value, SETTINGS, Path(__file__).parent / "reader")

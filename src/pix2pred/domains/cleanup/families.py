@@ -15,7 +15,7 @@ from pix2pred.domains.cleanup.scenes import (
     SECOND_TABLE,
     TABLE,
     WIDE,
-    Plan,
+    CleanupScene,
     make_world,
 )
 from pix2pred.domains.home.domain import Recipe, Start, StartMaker
@@ -26,7 +26,7 @@ _WIPED = f"WipedOfMarkerScribbles({TABLE})"
 _WIPE = f"WipeAndContinueHoldingEraser(eraser, {TABLE})"
 
 
-def _shown(name: str, plan: Plan, skills: Sequence[str], goal: Sequence[str]) -> Recipe:
+def _shown(name: str, plan: CleanupScene, skills: Sequence[str], goal: Sequence[str]) -> Recipe:
     def start(rng: Rng) -> World:
         return make_world(plan, Body.HUMAN, "home", rng)
 
@@ -46,18 +46,18 @@ def _dumped(thing: str, container: str) -> list[str]:
 
 
 RECIPES: Sequence[Recipe] = (
-    _shown("wipe-0", Plan({"ball": TABLE, "eraser": FLOOR}, gaze="ball"),
+    _shown("wipe-0", CleanupScene({"ball": TABLE, "eraser": FLOOR}, gaze="ball"),
            [*_cleared("ball", WIDE), "PickFromFloor(eraser)", _WIPE], [_WIPED]),
-    _shown("wipe-1", Plan({"block": TABLE, "eraser": TABLE}, gaze="block"),
+    _shown("wipe-1", CleanupScene({"block": TABLE, "eraser": TABLE}, gaze="block"),
            [*_cleared("block", WIDE), f"PickFromTop(eraser, {TABLE})", _WIPE], [_WIPED, _inside("block", WIDE)]),
-    _shown("wipe-2", Plan({"car": TABLE, "eraser": FLOOR}, gaze="car"),
+    _shown("wipe-2", CleanupScene({"car": TABLE, "eraser": FLOOR}, gaze="car"),
            [*_cleared("car", NARROW), "PickFromFloor(eraser)", _WIPE], [_WIPED]),
-    _shown("wipe-3", Plan({"book": TABLE, "eraser": FLOOR}, gaze="book"),
+    _shown("wipe-3", CleanupScene({"book": TABLE, "eraser": FLOOR}, gaze="book"),
            [*_cleared("book", WIDE), "PickFromFloor(eraser)", _WIPE], [_WIPED]),
-    _shown("dump-0", Plan({"ball": NARROW, "bottle": NARROW, "block": NARROW, "book": OTHER, "car": OTHER},
+    _shown("dump-0", CleanupScene({"ball": NARROW, "bottle": NARROW, "block": NARROW, "book": OTHER, "car": OTHER},
                           (NARROW, OTHER, WIDE), scribbled=False, gaze=NARROW),
            [*_dumped("block", NARROW), *_dumped("car", OTHER)], [_inside("block", WIDE), _inside("car", WIDE)]),
-    _shown("dump-1", Plan({"block": NARROW, "car": OTHER}, (NARROW, OTHER, WIDE), scribbled=False, gaze=NARROW),
+    _shown("dump-1", CleanupScene({"block": NARROW, "car": OTHER}, (NARROW, OTHER, WIDE), scribbled=False, gaze=NARROW),
            [*_dumped("block", NARROW), *_dumped("car", OTHER)], [_inside("block", WIDE), _inside("car", WIDE)]),
 )  # fmt: skip
 """Four times a table is cleared and wiped, twice narrow bins are dumped.
@@ -77,11 +77,11 @@ def _like_demonstrations(kinds: Sequence[str], style: str) -> StartMaker:
     def start(index: int, rng: Rng) -> Start:
         (thing,) = _some(kinds, 1, rng)
         if index % 3 == 0:
-            plan, goal = Plan({thing: TABLE, "eraser": FLOOR}), [_WIPED]
+            plan, goal = CleanupScene({thing: TABLE, "eraser": FLOOR}), [_WIPED]
         elif index % 3 == 1:
-            plan, goal = Plan({thing: NARROW, "eraser": TABLE}), [_inside(thing, WIDE)]
+            plan, goal = CleanupScene({thing: NARROW, "eraser": TABLE}), [_inside(thing, WIDE)]
         else:
-            plan, goal = Plan({"eraser": TABLE, thing: FLOOR}), [_WIPED]
+            plan, goal = CleanupScene({"eraser": TABLE, thing: FLOOR}), [_WIPED]
         return Start(make_world(plan, Body.ROBOT, style, rng), tuple(goal))
 
     return start
@@ -90,19 +90,19 @@ def _like_demonstrations(kinds: Sequence[str], style: str) -> StartMaker:
 def _more_objects(index: int, rng: Rng) -> Start:
     things = _some((*NEW_KINDS, *DEMONSTRATED_KINDS), 3 + index % 2, rng)
     places = {t: TABLE if i < 2 else FLOOR for i, t in enumerate(things)}
-    world = make_world(Plan(places | {"eraser": FLOOR}), Body.ROBOT, "office", rng)
+    world = make_world(CleanupScene(places | {"eraser": FLOOR}), Body.ROBOT, "office", rng)
     return Start(world, tuple(_inside(t, WIDE) for t in things))
 
 
 def _bin_after_wiping(index: int, rng: Rng) -> Start:
     (thing,) = _some(NEW_KINDS, 1, rng)
-    world = make_world(Plan({thing: FLOOR, "eraser": TABLE}), Body.ROBOT, "office", rng)
+    world = make_world(CleanupScene({thing: FLOOR, "eraser": TABLE}), Body.ROBOT, "office", rng)
     return Start(world, (_WIPED, _inside("eraser", WIDE), _inside(thing, WIDE)))
 
 
 def _eraser_in_bin(index: int, rng: Rng) -> Start:
     (thing,) = _some(NEW_KINDS, 1, rng)
-    world = make_world(Plan({thing: TABLE, "eraser": NARROW}), Body.ROBOT, "office", rng)
+    world = make_world(CleanupScene({thing: TABLE, "eraser": NARROW}), Body.ROBOT, "office", rng)
     return Start(world, (_WIPED, _inside("eraser", NARROW)))
 
 
@@ -111,7 +111,7 @@ def _many(index: int, rng: Rng) -> Start:
     kinds = (*NEW_KINDS, *DEMONSTRATED_KINDS)
     names = [*_some(kinds, len(kinds), rng), *(f"{k}2" for k in _some(kinds, 3, rng))]
     places = dict.fromkeys(names, FLOOR) | {names[0]: TABLE, names[1]: SECOND_TABLE, names[2]: NARROW, "eraser": FLOOR}
-    plan = Plan(places, (NARROW, OTHER, WIDE), (OTHER,), 2, kinds={n: n.removesuffix("2") for n in names})
+    plan = CleanupScene(places, (NARROW, OTHER, WIDE), (OTHER,), 2, kinds={n: n.removesuffix("2") for n in names})
     world = make_world(plan, Body.ROBOT, "office", rng)
     wiped = f"WipedOfMarkerScribbles({SECOND_TABLE})"
     return Start(world, (_WIPED, wiped, *(_inside(n, WIDE) for n in (*names, "eraser"))))

@@ -14,15 +14,15 @@ from pix2pred.domains.cleanup.scenes import (
     OTHER,
     TABLE,
     WIDE,
-    Plan,
+    CleanupScene,
     arranged,
     make_world,
 )
 from pix2pred.domains.cleanup.skills import all_strokes
-from pix2pred.domains.home.cameras import camera_names, picture
-from pix2pred.domains.home.domain import Split
+from pix2pred.domains.home.cameras import some_pictures
 from pix2pred.domains.home.drawing.room import STYLES
 from pix2pred.domains.home.world import Body, World
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Picture
 
 Rng = np.random.Generator
@@ -30,13 +30,13 @@ Rng = np.random.Generator
 
 def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
     """``per_look`` arrangements of one differently drawn scene, apart from demonstrations and tasks."""
-    rng = np.random.default_rng(np.random.SeedSequence((seed, int(Split.READER), look)))
+    rng = scene_generator(seed, Split.READER, look)
     body = Body.HUMAN if rng.random() < 0.5 else Body.ROBOT
     style = str(rng.choice(sorted(STYLES)))
     bins = (NARROW, OTHER, WIDE) if rng.random() < 0.4 else (NARROW, WIDE)
     kinds = [str(k) for k in rng.permutation((*DEMONSTRATED_KINDS, *NEW_KINDS))[: int(rng.integers(1, 5))]]
     things = dict.fromkeys((*kinds, "eraser"), FLOOR)
-    world = make_world(Plan(things, bins), body, style, rng)
+    world = make_world(CleanupScene(things, bins), body, style, rng)
     return [_rearranged(world, list(things), bins, rng) for _ in range(per_look)]
 
 
@@ -57,6 +57,4 @@ def _rearranged(world: World, things: list[str], bins: tuple[str, ...], rng: Rng
 
 def views(world: World) -> list[Picture]:
     """What a person sees, or the robot's hand camera and some of the others, drawn by the world's own seed."""
-    rng = np.random.default_rng(np.random.SeedSequence((world.room, 13)))
-    chosen = [n for n in camera_names(world) if n in ("head", "hand_color") or rng.random() < 0.4]
-    return [picture(world, name) for name in chosen]
+    return some_pictures(world, 0.4)

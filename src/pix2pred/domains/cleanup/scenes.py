@@ -28,7 +28,7 @@ _GAP = 0.15
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class CleanupScene:
     """What a scene holds: the place (``floor``, a table or a bin) of every small thing, whose name is its kind.
 
     ``kinds`` of things that are not called by their kind; ``closed`` bins; one or two ``tables``, ``scribbled`` or
@@ -44,7 +44,7 @@ class Plan:
     kinds: Mapping[str, str] = field(default_factory=dict)
 
 
-def make_world(plan: Plan, body: Body, style: str, rng: Rng) -> World:
+def make_world(plan: CleanupScene, body: Body, style: str, rng: Rng) -> World:
     """The world of ``plan`` at rest, everything else drawn from ``rng``."""
     side = 1 if rng.random() < 0.5 else -1
     strokes = all_strokes() if plan.scribbled else ()

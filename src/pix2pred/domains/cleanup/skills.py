@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from pix2pred.domains.home.conditions import hand_is_empty, holds, within_reach
 from pix2pred.domains.home.drawing.fixtures import STROKES, bin_size, stroke_points
 from pix2pred.domains.home.episode import SkillFailedError
-from pix2pred.domains.home.places import in_bin, on_floor, on_table, reachable, things_in, things_on
+from pix2pred.domains.home.places import in_bin, on_floor, on_table, things_in, things_on
 from pix2pred.domains.home.settling import free_spot, let_go, rise_of, settled, spilled
 from pix2pred.domains.home.world import World
 
@@ -20,7 +21,7 @@ _DROP = 0.06
 
 def pick_from_top(world: World, name: str, surface: str) -> World:
     """Take a thing from a table, or out of a wide open bin. Fails for narrow bins: they have to be dumped."""
-    _hand_is_empty(world)
+    hand_is_empty(world)
     under = world.thing(surface)
     if under.type == "table":
         if not on_table(world, name, surface):
@@ -37,7 +38,7 @@ def pick_from_top(world: World, name: str, surface: str) -> World:
 
 def pick_from_floor(world: World, name: str) -> World:
     """Take a thing from the floor."""
-    _hand_is_empty(world)
+    hand_is_empty(world)
     if not on_floor(world, name):
         raise SkillFailedError(f"{name} does not lie on the floor")
     return _taken(world, name)
@@ -45,12 +46,11 @@ def pick_from_floor(world: World, name: str) -> World:
 
 def place_inside(world: World, name: str, container: str) -> World:
     """Let go of the held thing over a bin; physics says whether it stays inside."""
-    _holds(world, name)
+    holds(world, name)
     bin_ = world.thing(container)
     if not bin_.opened:
         raise SkillFailedError(f"the lid of {container} is closed")
-    if not reachable(bin_):
-        raise SkillFailedError(f"{container} is out of reach")
+    within_reach(world, container)
     size = bin_size(bin_)
     highest = max((world.thing(n).at[2] for n in things_in(world, container)), default=0.0)
     if highest > size.height - 0.02:
@@ -65,12 +65,11 @@ def place_inside(world: World, name: str, container: str) -> World:
 
 def wipe(world: World, name: str, table: str) -> World:
     """Wipe a table with the held eraser. Scribbles near things that stand on the table stay."""
-    _holds(world, name)
+    holds(world, name)
     if world.thing(name).kind != "eraser":
         raise SkillFailedError(f"{name} wipes nothing off")
     thing = world.thing(table)
-    if not reachable(thing):
-        raise SkillFailedError(f"{table} is out of reach")
+    within_reach(world, table)
     in_the_way = things_on(world, table)
     left = tuple(s for s in thing.strokes if any(_near(world, table, s, other) for other in in_the_way))
     after = replace(world.with_thing(replace(thing, strokes=left)), gaze=table)
@@ -81,13 +80,12 @@ def wipe(world: World, name: str, table: str) -> World:
 
 def dump(world: World, container: str) -> World:
     """Lift a bin and tip its contents onto the floor."""
-    _hand_is_empty(world)
+    hand_is_empty(world)
     bin_ = world.thing(container)
     contents = things_in(world, container)
     if not bin_.opened:
         raise SkillFailedError(f"the lid of {container} is closed")
-    if not reachable(bin_):
-        raise SkillFailedError(f"{container} is out of reach")
+    within_reach(world, container)
     if not contents:
         raise SkillFailedError(f"there is nothing in {container} to dump")
     after = replace(spilled(world, container), gaze=contents[0])
@@ -108,17 +106,6 @@ def _near(world: World, table: str, stroke: int, other: str) -> bool:
     return any(math.hypot(middle[0] + x - at[0], middle[1] + y - at[1]) < _WIPED_AROUND for x, y in points)
 
 
-def _hand_is_empty(world: World) -> None:
-    if world.holding is not None:
-        raise SkillFailedError(f"the hand already holds {world.holding}")
-
-
-def _holds(world: World, name: str) -> None:
-    if world.holding != name:
-        raise SkillFailedError(f"{name} is not held" + (f", {world.holding} is" if world.holding else ""))
-
-
 def _taken(world: World, name: str) -> World:
-    if not reachable(world.thing(name)):
-        raise SkillFailedError(f"{name} is out of reach")
+    within_reach(world, name)
     return settled(replace(world, holding=name, gaze=name), 0.4)

@@ -2,21 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
-from pix2pred.domains.home.episode import HomeEnvironment
 from pix2pred.domains.home.places import in_bin, on_floor, on_table, things_in, things_on
 from pix2pred.domains.home.world import World
-
-
-@dataclass(frozen=True, slots=True)
-class Concept:
-    """What a word means here: the type names of its arguments and its value in a world."""
-
-    types: tuple[str, ...]
-    value: Callable[..., bool]
-
+from pix2pred.domains.words import Concept, TrueWords
 
 CONCEPTS: Mapping[str, Concept] = {
     "is_eraser": Concept(("movable_object",), lambda w, m: w.thing(m).kind == "eraser"),
@@ -30,18 +20,4 @@ CONCEPTS: Mapping[str, Concept] = {
     "narrow": Concept(("trash_can",), lambda w, c: w.thing(c).kind == "narrow_bin"),
 }
 
-
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
-    if concept not in CONCEPTS:
-        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
-    wanted = CONCEPTS[concept].types
-    types = world.types()
-    if len(names) != len(wanted) or any(types.get(n) != t for n, t in zip(names, wanted, strict=True)):
-        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
-    return CONCEPTS[concept].value(world, *names)
-
-
-def value_now(environment: HomeEnvironment, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` in the environment's present state."""
-    return concept_value(environment.world, concept, names)
+concept_value = TrueWords(CONCEPTS, World.types).value

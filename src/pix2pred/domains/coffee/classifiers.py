@@ -9,7 +9,7 @@ from enum import Enum
 from pix2pred.domains.coffee.simulation.motion import cup_below, pressing
 from pix2pred.domains.coffee.skills import handle_reachable
 from pix2pred.domains.coffee.vocabulary import make_object
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.structs import Atom, Object, Predicate, groundings
 
 
@@ -28,7 +28,7 @@ _TOLERANCE = 1.0
 """Squared distance, in metres, between spout and mouth that still counts (the published value)."""
 
 
-def _above(world: World, cup: str, above: AboveCup) -> bool:
+def _above(world: CoffeeWorld, cup: str, above: AboveCup) -> bool:
     if not world.jug.held:
         return False
     if above is AboveCup.NEAR:
@@ -37,11 +37,11 @@ def _above(world: World, cup: str, above: AboveCup) -> bool:
     return math.dist(tuple(world.spout), tuple(world.cup(cup).mouth)) ** 2 < _TOLERANCE
 
 
-def _above_none(world: World, above: AboveCup) -> bool:
+def _above_none(world: CoffeeWorld, above: AboveCup) -> bool:
     return not any(_above(world, cup.name, above) for cup in world.cups)
 
 
-_CLASSIFIERS: Mapping[str, Callable[[World, AboveCup, tuple[str, ...]], bool]] = {
+_CLASSIFIERS: Mapping[str, Callable[[CoffeeWorld, AboveCup, tuple[str, ...]], bool]] = {
     "CupFilled": lambda w, above, args: w.cup(args[0]).filled,
     "Holding": lambda w, above, args: w.jug.held,
     "OnTable": lambda w, above, args: not w.jug.held and not w.jug_in_machine,
@@ -55,19 +55,19 @@ _CLASSIFIERS: Mapping[str, Callable[[World, AboveCup, tuple[str, ...]], bool]] =
 }
 
 
-def holds(world: World, atom: Atom, above: AboveCup) -> bool:
+def holds(world: CoffeeWorld, atom: Atom, above: AboveCup) -> bool:
     """Whether a given atom is true. Raises ``ValueError`` for a predicate of another domain."""
     if atom.predicate.name not in _CLASSIFIERS:
         raise ValueError(f"{atom.predicate.name} is not a given predicate of the coffee domain")
     return _CLASSIFIERS[atom.predicate.name](world, above, tuple(o.name for o in atom.objects))
 
 
-def objects_of(world: World) -> tuple[Object, ...]:
+def objects_of(world: CoffeeWorld) -> tuple[Object, ...]:
     """All objects of ``world``, sorted."""
     return tuple(sorted(make_object(name, kind) for name, kind in world.types().items()))
 
 
-def true_atoms(world: World, predicates: Iterable[Predicate], above: AboveCup) -> frozenset[Atom]:
+def true_atoms(world: CoffeeWorld, predicates: Iterable[Predicate], above: AboveCup) -> frozenset[Atom]:
     """The atoms that hold, over all type-consistent groundings with distinct objects."""
     objects = objects_of(world)
     return frozenset(

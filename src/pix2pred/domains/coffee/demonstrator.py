@@ -5,13 +5,13 @@ from __future__ import annotations
 from pix2pred.domains import scripted
 from pix2pred.domains.coffee.classifiers import AboveCup, objects_of
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
-from pix2pred.domains.coffee.families import Recipe
+from pix2pred.domains.coffee.families import CoffeeRecipe
 from pix2pred.domains.coffee.vocabulary import CUP_FILLED, GIVEN, SKILL_OF
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.structs import Action, Atom, Demo, Object
 
 
-def actions_of(recipe: Recipe, world: World) -> tuple[Action, ...]:
+def actions_of(recipe: CoffeeRecipe, world: CoffeeWorld) -> tuple[Action, ...]:
     """The actions of ``recipe`` over the objects of ``world``."""
     by_name = {o.name: o for o in objects_of(world)}
     return tuple(
@@ -24,7 +24,7 @@ def all_filled(objects: tuple[Object, ...]) -> tuple[Atom, ...]:
     return tuple(CUP_FILLED(o) for o in objects if o.type.name == "cup")
 
 
-def demonstrate(name: str, recipe: Recipe, initial: World, above: AboveCup) -> Demo:
+def demonstrate(name: str, recipe: CoffeeRecipe, initial: CoffeeWorld, above: AboveCup) -> Demo:
     """The demonstration of ``recipe`` from ``initial``: the states before and after each skill.
 
     Raises ``RuntimeError`` when a skill of the script fails or the goal is not reached.

@@ -9,12 +9,13 @@ from typing import Any
 from pix2pred.domains.coffee.classifiers import objects_of
 from pix2pred.domains.coffee.demonstrator import all_filled, demonstrate
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
-from pix2pred.domains.coffee.families import DEMONSTRATIONS, FAMILIES, Family
+from pix2pred.domains.coffee.families import DEMONSTRATIONS, FAMILIES, CoffeeFamily
 from pix2pred.domains.coffee.observe import observe
-from pix2pred.domains.coffee.scenes import Split, initial_world, scene_generator
-from pix2pred.domains.coffee.truth import value_now
+from pix2pred.domains.coffee.scenes import SIZED, initial_world
+from pix2pred.domains.coffee.truth import concept_value
 from pix2pred.domains.coffee.vocabulary import GIVEN, SKILLS, TYPES
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
@@ -66,13 +67,13 @@ class CoffeeDomain:
         """``count`` tasks with ``items`` cups. Raises ``ValueError`` when they do not fit the table, or for none."""
         if items < 1:
             raise ValueError(f"a task needs a cup to fill, not {items}")
-        return self._tasks(f"{family}-{items}-cups", family, Split.SIZED, seed, count, items)
+        return self._tasks(f"{family}-{items}-cups", family, SIZED, seed, count, items)
 
-    def _tasks(self, name: str, family: str, split: Split, seed: int, count: int, cups: int) -> Sequence[SimulatedTask]:
+    def _tasks(self, name: str, family: str, split: int, seed: int, count: int, cups: int) -> Sequence[SimulatedTask]:
         worlds = [initial_world(cups, scene_generator(seed, split, cups, index)) for index in range(count)]
         return tuple(self._task(f"{name}-{index}", family, world) for index, world in enumerate(worlds))
 
-    def _task(self, name: str, family: str, world: World) -> SimulatedTask:
+    def _task(self, name: str, family: str, world: CoffeeWorld) -> SimulatedTask:
         objects = objects_of(world)
         initial = observe(world, GIVEN, self._family(family).above)
         task = Task(name, objects, initial, all_filled(objects))
@@ -80,7 +81,7 @@ class CoffeeDomain:
 
     def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
         assert isinstance(environment, CoffeeEnvironment), "an environment of this domain"
-        return value_now(environment, concept, names)
+        return concept_value(environment.world, concept, names)
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> CoffeeEnvironment:
         """A fresh episode of a task.
@@ -92,17 +93,17 @@ class CoffeeDomain:
             raise ValueError("the coffee domain has no disturbances; leave out --disturb")
         if not isinstance(simulator.get("family"), str) or not isinstance(simulator.get("world"), Mapping):
             raise ValueError("not a coffee simulator state: it needs 'family' and 'world'")
-        world = World.from_dict(simulator["world"])
+        world = CoffeeWorld.from_dict(simulator["world"])
         if set(objects_of(world)) != set(task.objects):
             raise ValueError(f"task {task.name}: its objects are not those of the simulator state")
         return CoffeeEnvironment(world, GIVEN, task.goal, self._family(simulator["family"]).above)
 
-    def _family(self, name: str) -> Family:
+    def _family(self, name: str) -> CoffeeFamily:
         if name not in FAMILIES:
             raise ValueError(f"coffee has no family {name!r}; choose from {', '.join(FAMILIES)}")
         return FAMILIES[name]
 
 
-def _demonstration_world(seed: int, index: int) -> World:
+def _demonstration_world(seed: int, index: int) -> CoffeeWorld:
     recipe = DEMONSTRATIONS[index]
     return initial_world(recipe.cups, scene_generator(seed, Split.DEMONSTRATIONS, 0, index), recipe.turned_away)

@@ -9,7 +9,7 @@ from pix2pred.domains.coffee.observe import features_of, observe
 from pix2pred.domains.coffee.simulation.motion import advance
 from pix2pred.domains.coffee.simulation.render import render_pixels
 from pix2pred.domains.coffee.skills import explain, script_for
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.structs import Action, Application, Atom, Predicate, State
 from pix2pred.structs.environment import FrameSink, Step, StepStatus
 from pix2pred.structs.samplers import Features
@@ -26,7 +26,9 @@ class CoffeeEnvironment:
     ``above`` decides when jug and robot count as above a cup.
     """
 
-    def __init__(self, initial: World, predicates: Sequence[Predicate], goal: Sequence[Atom], above: AboveCup) -> None:
+    def __init__(
+        self, initial: CoffeeWorld, predicates: Sequence[Predicate], goal: Sequence[Atom], above: AboveCup
+    ) -> None:
         self.world = initial
         self.steps = 0
         self._initial = initial

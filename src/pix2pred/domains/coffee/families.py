@@ -9,7 +9,7 @@ from pix2pred.domains.coffee.classifiers import AboveCup
 
 
 @dataclass(frozen=True, slots=True)
-class Recipe:
+class CoffeeRecipe:
     """What a demonstration shows: how many cups are filled, and whether the jug must be turned first."""
 
     cups: int
@@ -33,23 +33,29 @@ class Recipe:
         )
 
 
-DEMONSTRATIONS = (Recipe(2, False), Recipe(1, True), Recipe(1, False), Recipe(1, True), Recipe(1, False))
+DEMONSTRATIONS = (
+    CoffeeRecipe(2, False),
+    CoffeeRecipe(1, True),
+    CoffeeRecipe(1, False),
+    CoffeeRecipe(1, True),
+    CoffeeRecipe(1, False),
+)
 """Two cups first: the printed operators are numbered in this order (method 12.2)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Family:
+class CoffeeFamily:
     """How many cups the test tasks have, and when the jug counts as above a cup."""
 
     test_cups: int
     above: AboveCup = AboveCup.ANYWHERE
 
 
-FAMILIES: Mapping[str, Family] = {
-    "three-cups": Family(3),
-    "four-cups": Family(4),
-    "five-cups": Family(5),
-    "six-cups": Family(6),
-    "three-cups-near": Family(3, AboveCup.NEAR),
+FAMILIES: Mapping[str, CoffeeFamily] = {
+    "three-cups": CoffeeFamily(3),
+    "four-cups": CoffeeFamily(4),
+    "five-cups": CoffeeFamily(5),
+    "six-cups": CoffeeFamily(6),
+    "three-cups-near": CoffeeFamily(3, AboveCup.NEAR),
 }
 """All families have the same demonstrations for equal seeds; ``-near`` differs in the given above-cup predicates."""

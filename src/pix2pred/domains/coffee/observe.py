@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from pix2pred.domains.coffee.classifiers import AboveCup, objects_of, true_atoms
 from pix2pred.domains.coffee.simulation.geometry import TABLE_Z
 from pix2pred.domains.coffee.simulation.render import render
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.structs import Object, Predicate, State
 
 
-def features_of(world: World) -> dict[Object, tuple[float, ...]]:
+def features_of(world: CoffeeWorld) -> dict[Object, tuple[float, ...]]:
     """Heights, angles and the cups' places, in metres and radians. The rest is in the pictures alone."""
     robot, jug = world.robot, world.jug
     values: dict[str, tuple[float, ...]] = {
@@ -29,6 +29,6 @@ def features_of(world: World) -> dict[Object, tuple[float, ...]]:
     return features
 
 
-def observe(world: World, predicates: Sequence[Predicate], above: AboveCup) -> State:
+def observe(world: CoffeeWorld, predicates: Sequence[Predicate], above: AboveCup) -> State:
     """The state seen in ``world``, with the true atoms of ``predicates``."""
     return State((render(world),), features_of(world), true_atoms(world, predicates, above))

@@ -13,8 +13,8 @@ import numpy as np
 from pix2pred.domains.coffee.classifiers import AboveCup
 from pix2pred.domains.coffee.demonstrator import actions_of
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
-from pix2pred.domains.coffee.families import Recipe
-from pix2pred.domains.coffee.scenes import JUG_AREA, Split, initial_world, random_place, random_rotation
+from pix2pred.domains.coffee.families import CoffeeRecipe
+from pix2pred.domains.coffee.scenes import JUG_AREA, initial_world, random_place, random_rotation
 from pix2pred.domains.coffee.simulation.geometry import (
     CLOSED,
     FULL_JUG,
@@ -26,16 +26,17 @@ from pix2pred.domains.coffee.simulation.geometry import (
     POUR_TILT,
     Point,
 )
-from pix2pred.domains.coffee.world import Cup, Robot, World
+from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Robot
+from pix2pred.domains.seeds import Split, scene_generator
 
 MOST_CUPS = 6
 _PERTURBED = 0.4
 _TO_THE_END = 0.3
 
 
-def random_world(rng: np.random.Generator, look: int) -> World:
+def random_world(rng: np.random.Generator, look: int) -> CoffeeWorld:
     """A scene of one to six cups somewhere in an episode, drawn in the look seeded by ``look``."""
-    recipe = Recipe(int(rng.integers(1, MOST_CUPS + 1)), bool(rng.random() < 0.5))
+    recipe = CoffeeRecipe(int(rng.integers(1, MOST_CUPS + 1)), bool(rng.random() < 0.5))
     start = replace(initial_world(recipe.cups, rng, recipe.turned_away), look=look)
     environment = CoffeeEnvironment(start, (), (), AboveCup.ANYWHERE)
     actions = actions_of(recipe, start)
@@ -69,7 +70,7 @@ def _cup_level(cup: Cup, rng: np.random.Generator) -> float:
     return float(share) * cup.capacity
 
 
-def _perturbed(world: World, rng: np.random.Generator) -> World:
+def _perturbed(world: CoffeeWorld, rng: np.random.Generator) -> CoffeeWorld:
     """The world with gripper or jug somewhere else."""
     somewhere = Point(*(float(rng.uniform(lo, hi)) for lo, hi in zip(LOW, HIGH, strict=True)))
     if world.jug.held:
@@ -88,10 +89,10 @@ def _perturbed(world: World, rng: np.random.Generator) -> World:
     return replace(world, robot=robots[int(rng.integers(2 if world.jug_in_machine else 3))])
 
 
-def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:
+def random_worlds(seed: int, looks: int, per_look: int) -> list[CoffeeWorld]:
     """``looks`` differently drawn scenes with ``per_look`` arrangements each, apart from demonstrations and tasks."""
-    rng = np.random.default_rng(np.random.SeedSequence((seed, int(Split.READER))))
-    worlds: list[World] = []
+    rng = scene_generator(seed, Split.READER)
+    worlds: list[CoffeeWorld] = []
     for _ in range(looks):
         look = int(rng.integers(2**31))
         worlds.extend(random_world(rng, look) for _ in range(per_look))

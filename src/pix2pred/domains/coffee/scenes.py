@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 
 import numpy as np
 
 from pix2pred.domains.coffee.simulation.geometry import CUP_CAPACITIES, CUP_RADIUS, HOME, TABLE_Z, Point
-from pix2pred.domains.coffee.world import Cup, Jug, Robot, World
+from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Jug, Robot
 
 CUP_AREA = ((0.61, 1.0), (1.09, 1.27))
 """x and y of the middles of cups."""
@@ -19,22 +18,11 @@ CUP_GAP = 0.03
 
 MOST_CUPS = 8
 
-
-class Split(IntEnum):
-    """The second number of a seed: what the scene is for."""
-
-    DEMONSTRATIONS = 0
-    TASKS = 1
-    READER = 2
-    SIZED = 3
+SIZED = 3
+"""The second number of a sized task's seed; other domains use ``Split.SIZED``, and these tasks stay what they were."""
 
 
-def scene_generator(seed: int, split: Split, family: int, index: int) -> np.random.Generator:
-    """The generator of one scene, seeded by ``(seed, split, family number, index of the demonstration or task)``."""
-    return np.random.default_rng(np.random.SeedSequence((seed, int(split), family, index)))
-
-
-def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None = None) -> World:
+def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None = None) -> CoffeeWorld:
     """``cups`` empty cups of random sizes, an empty jug, the machine off, the gripper at rest.
 
     ``turned_away`` says whether the jug's handle is out of reach; by default it is for half of the scenes. Raises
@@ -47,7 +35,7 @@ def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None 
     sizes = [float(c) for c in rng.choice(CUP_CAPACITIES, size=cups)]
     places = cup_places(sizes, rng)
     made = tuple(Cup(f"cup{i}", x, y, c) for i, (c, (x, y)) in enumerate(zip(sizes, places, strict=True)))
-    return World(Robot(HOME), jug, made, look=int(rng.integers(2**31)))
+    return CoffeeWorld(Robot(HOME), jug, made, look=int(rng.integers(2**31)))
 
 
 def random_rotation(away: bool, rng: np.random.Generator) -> float:

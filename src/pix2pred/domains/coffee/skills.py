@@ -25,9 +25,9 @@ from pix2pred.domains.coffee.simulation.geometry import (
     TABLE_Z,
     Point,
 )
-from pix2pred.domains.coffee.simulation.motion import Primitive, pressing, spout_over
+from pix2pred.domains.coffee.simulation.motion import Motion, pressing, spout_over
 from pix2pred.domains.coffee.vocabulary import SKILL_OF, TYPE_OF
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.domains.scripted import check_skill
 from pix2pred.structs import Application
 
@@ -54,12 +54,12 @@ class Script:
     ``stops`` tells that it ends as soon as that is the case, instead of making its last move to the end.
     """
 
-    moves: tuple[Primitive, ...]
-    finished: Callable[[World], bool]
+    moves: tuple[Motion, ...]
+    finished: Callable[[CoffeeWorld], bool]
     stops: bool = False
 
 
-def script_for(skill: Application, world: World) -> Script:
+def script_for(skill: Application, world: CoffeeWorld) -> Script:
     """The script of ``skill``. Raises ``ValueError`` for an unknown skill, or objects that are absent or do not fit."""
     check_skill(skill, SKILL_OF, {name: TYPE_OF[t] for name, t in world.types().items()})
     match skill.name:
@@ -76,79 +76,79 @@ def script_for(skill: Application, world: World) -> Script:
             return Script(_rotate(world), handle_reachable)
 
 
-def handle_reachable(world: World) -> bool:
+def handle_reachable(world: CoffeeWorld) -> bool:
     """Whether a gripper that comes from the left finds the handle: the jug is upright and its handle on the left."""
     return abs(world.jug.rot) <= PICKABLE and abs(world.jug_tilt) < 0.1
 
 
-def _pick(world: World) -> tuple[Primitive, ...]:
+def _pick(world: CoffeeWorld) -> tuple[Motion, ...]:
     grip = world.jug.at + GRIP
     lifted = grip + Point(0, 0, 0.012)
-    way_out = (Primitive(lifted + Point(-0.19, 0, 0), fingers=CLOSED),) if world.jug_in_machine else ()
+    way_out = (Motion(lifted + Point(-0.19, 0, 0), fingers=CLOSED),) if world.jug_in_machine else ()
     last = way_out[-1].to if way_out else lifted
     return (
-        Primitive(world.robot.at + _BACK),
-        Primitive(Point(grip.x - 0.08, grip.y, max(grip.z, min(world.robot.at.z, CARRY_Z)))),
-        Primitive(grip + _BACK),
-        Primitive(grip),
-        Primitive(grip, fingers=CLOSED),
-        Primitive(lifted, fingers=CLOSED),
+        Motion(world.robot.at + _BACK),
+        Motion(Point(grip.x - 0.08, grip.y, max(grip.z, min(world.robot.at.z, CARRY_Z)))),
+        Motion(grip + _BACK),
+        Motion(grip),
+        Motion(grip, fingers=CLOSED),
+        Motion(lifted, fingers=CLOSED),
         *way_out,
-        Primitive(Point(last.x, last.y, CARRY_Z), fingers=CLOSED),
-        Primitive(CARRY, fingers=CLOSED),
+        Motion(Point(last.x, last.y, CARRY_Z), fingers=CLOSED),
+        Motion(CARRY, fingers=CLOSED),
     )
 
 
-def _place(world: World) -> tuple[Primitive, ...]:
+def _place(world: CoffeeWorld) -> tuple[Motion, ...]:
     plate = PLATE + GRIP
     slightly_up = plate + Point(0, 0, 0.012)
     before = slightly_up + Point(-0.19, 0, 0)
     here = world.robot.at
     return (
-        Primitive(here, fingers=CLOSED),
-        Primitive(Point(here.x, here.y, max(here.z, CARRY_Z)), fingers=CLOSED),
-        Primitive(Point(before.x, before.y, CARRY_Z), fingers=CLOSED),
-        Primitive(before, fingers=CLOSED),
-        Primitive(slightly_up, fingers=CLOSED),
-        Primitive(plate, fingers=CLOSED),
-        Primitive(plate),
-        Primitive(plate + Point(-0.12, 0, 0)),
-        Primitive(HOME),
+        Motion(here, fingers=CLOSED),
+        Motion(Point(here.x, here.y, max(here.z, CARRY_Z)), fingers=CLOSED),
+        Motion(Point(before.x, before.y, CARRY_Z), fingers=CLOSED),
+        Motion(before, fingers=CLOSED),
+        Motion(slightly_up, fingers=CLOSED),
+        Motion(plate, fingers=CLOSED),
+        Motion(plate),
+        Motion(plate + Point(-0.12, 0, 0)),
+        Motion(HOME),
     )
 
 
-def _turn_on() -> tuple[Primitive, ...]:
-    return Primitive(BUTTON + _BACK, fingers=CLOSED), Primitive(BUTTON, fingers=CLOSED)
+def _turn_on() -> tuple[Motion, ...]:
+    return Motion(BUTTON + _BACK, fingers=CLOSED), Motion(BUTTON, fingers=CLOSED)
 
 
-def _pour(world: World, cup: str) -> tuple[Primitive, ...]:
+def _pour(world: CoffeeWorld, cup: str) -> tuple[Motion, ...]:
     place = spout_over(world.cup(cup), 0.045)
     here = world.robot.at
     return (
-        Primitive(here, fingers=CLOSED),
-        Primitive(Point(here.x, here.y, place.z), fingers=CLOSED),
-        Primitive(place, fingers=CLOSED),
-        Primitive(place, tilt=POUR_TILT, fingers=CLOSED),
+        Motion(here, fingers=CLOSED),
+        Motion(Point(here.x, here.y, place.z), fingers=CLOSED),
+        Motion(place, fingers=CLOSED),
+        Motion(place, tilt=POUR_TILT, fingers=CLOSED),
     )
 
 
-def _rotate(world: World) -> tuple[Primitive, ...]:
+def _rotate(world: CoffeeWorld) -> tuple[Motion, ...]:
     top = world.jug.at + Point(0, 0, JUG_HEIGHT)
     over = top + Point(0, 0, 0.1)
     turn = world.robot.wrist - world.jug.rot
     return (
-        Primitive(Point(top.x, top.y, world.robot.at.z), tilt=_DOWNWARD, wrist=world.robot.wrist),
-        Primitive(over, tilt=_DOWNWARD, wrist=world.robot.wrist),
-        Primitive(top, tilt=_DOWNWARD, wrist=world.robot.wrist),
-        Primitive(top, tilt=_DOWNWARD, wrist=world.robot.wrist, fingers=CLOSED),
-        Primitive(top, tilt=_DOWNWARD, wrist=turn, fingers=CLOSED),
-        Primitive(top, tilt=_DOWNWARD, wrist=turn, fingers=OPEN),
-        Primitive(over, tilt=_DOWNWARD, wrist=turn),
-        Primitive(HOME),
+        Motion(Point(top.x, top.y, world.robot.at.z), tilt=_DOWNWARD, wrist=world.robot.wrist),
+        Motion(over, tilt=_DOWNWARD, wrist=world.robot.wrist),
+        Motion(top, tilt=_DOWNWARD, wrist=world.robot.wrist),
+        Motion(top, tilt=_DOWNWARD, wrist=world.robot.wrist, fingers=CLOSED),
+        Motion(top, tilt=_DOWNWARD, wrist=turn, fingers=CLOSED),
+        Motion(top, tilt=_DOWNWARD, wrist=turn, fingers=OPEN),
+        Motion(over, tilt=_DOWNWARD, wrist=turn),
+        Motion(HOME),
     )
 
 
-def explain(skill: Application, start: World, end: World) -> str:
+def explain(skill: Application, start: CoffeeWorld, end: CoffeeWorld) -> str:
     """Why ``skill``, started in ``start``, ended in ``end`` without its purpose fulfilled."""
     jug = start.jug
     match skill.name:

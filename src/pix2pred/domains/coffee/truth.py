@@ -3,39 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
-from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.simulation.geometry import FULL_JUG
 from pix2pred.domains.coffee.simulation.motion import cup_below, pouring_over, pressing
 from pix2pred.domains.coffee.skills import handle_reachable
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
+from pix2pred.domains.words import Concept, TrueWords
 
 
-@dataclass(frozen=True, slots=True)
-class Concept:
-    """What a word means here: the type names of its arguments and its value in a world."""
-
-    types: tuple[str, ...]
-    value: Callable[..., bool]
-
-
-def _receiving(world: World, cup: str) -> bool:
+def _receiving(world: CoffeeWorld, cup: str) -> bool:
     below = pouring_over(world)
     return below is not None and below.name == cup
 
 
-def _jug_above(world: World, jug: str, cup: str) -> bool:
+def _jug_above(world: CoffeeWorld, jug: str, cup: str) -> bool:
     below = cup_below(world) if world.jug.held else None
     return below is not None and below.name == cup
 
 
-def _jug_on_table(world: World, jug: str) -> bool:
+def _jug_on_table(world: CoffeeWorld, jug: str) -> bool:
     return not world.jug.held and not world.jug_in_machine
 
 
-def _larger(world: World, a: str, b: str) -> bool:
+def _larger(world: CoffeeWorld, a: str, b: str) -> bool:
     return world.cup(a).capacity > world.cup(b).capacity
 
 
@@ -59,18 +50,4 @@ CONCEPTS: Mapping[str, Concept] = {
 }
 """Every word with a ground truth. ``jug_filled``: to the mark, so that it ends with the first cup poured."""
 
-
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
-    if concept not in CONCEPTS:
-        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
-    wanted = CONCEPTS[concept].types
-    types = world.types()
-    if len(names) != len(wanted) or any(types.get(n) != t for n, t in zip(names, wanted, strict=True)):
-        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
-    return CONCEPTS[concept].value(world, *names)
-
-
-def value_now(environment: CoffeeEnvironment, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` in the environment's present state."""
-    return concept_value(environment.world, concept, names)
+concept_value = TrueWords(CONCEPTS, CoffeeWorld.types).value

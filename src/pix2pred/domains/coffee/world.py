@@ -75,7 +75,7 @@ class Cup:
 
 
 @dataclass(frozen=True, slots=True)
-class World:
+class CoffeeWorld:
     """Everything the simulator knows. ``cups`` are sorted by name; ``look`` seeds how the scene is drawn."""
 
     robot: Robot
@@ -127,7 +127,7 @@ class World:
                 return cup
         raise KeyError(name)
 
-    def with_cup(self, changed: Cup) -> World:
+    def with_cup(self, changed: Cup) -> CoffeeWorld:
         """This world with the cup of the same name replaced."""
         return replace(self, cups=tuple(changed if c.name == changed.name else c for c in self.cups))
 
@@ -150,7 +150,7 @@ class World:
         }
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> World:
+    def from_dict(cls, data: Mapping[str, Any]) -> CoffeeWorld:
         """The world described by ``data``. Raises ``ValueError`` for what is not a coffee world."""
         try:
             robot, jug = data["robot"], data["jug"]
@@ -172,7 +172,7 @@ class World:
 ROBOT_NAME, JUG_NAME, MACHINE_NAME = "robot", "jug", "coffee_machine"
 
 
-def _check(world: World) -> None:
+def _check(world: CoffeeWorld) -> None:
     names = [*world.types(), *(c.name for c in world.cups)]
     if len(world.types()) != 3 + len(world.cups):
         raise ValueError(f"not a coffee simulator state: two objects share a name in {', '.join(sorted(names))}")

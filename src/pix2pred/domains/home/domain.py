@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +12,14 @@ import numpy as np
 from pix2pred.domains import scripted
 from pix2pred.domains.home.episode import HomeEnvironment, Rules
 from pix2pred.domains.home.world import World
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Action, Atom, Demo, Task, Vocabulary, parse_application
-from pix2pred.structs.environment import SimulatedTask, SimulatorState
+from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
 Rng = np.random.Generator
 
 MOST_ATOMS = 25
 """Atoms that are kept of what a model proposes about a demonstration."""
-
-
-class Split(IntEnum):
-    """The second number of a seed: what the scene is for."""
-
-    DEMONSTRATIONS = 0
-    TASKS = 1
-    READER = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +44,6 @@ StartMaker = Callable[[int, Rng], Start]
 """Makes the start of a family's task with the given index."""
 
 
-def scene_generator(seed: int, split: Split, family: int, index: int) -> Rng:
-    """The generator of one scene, seeded by ``(seed, split, family number, index of the demonstration or task)``."""
-    return np.random.default_rng(np.random.SeedSequence((seed, int(split), family, index)))
-
-
 class HomeDomain:
     """A domain in the home world (extra ``sim``). All families share their demonstrations."""
 
@@ -66,6 +53,7 @@ class HomeDomain:
         rules: Rules,
         recipes: Sequence[Recipe],
         families: Mapping[str, StartMaker],
+        truth: Callable[[World, str, Sequence[str]], bool],
         settings: Mapping[str, Any],
         reader: Path,
     ) -> None:
@@ -75,6 +63,7 @@ class HomeDomain:
         self.rules = rules
         self.recipes = tuple(recipes)
         self._starts = dict(families)
+        self._truth = truth
         self._settings = dict(settings)
 
     def vocabulary(self, family: str) -> Vocabulary:
@@ -144,6 +133,10 @@ class HomeDomain:
         if set(self.rules.objects(world)) != set(task.objects):
             raise ValueError(f"task {task.name}: its objects are not those of the simulator state")
         return HomeEnvironment(self.rules, world, task.goal)
+
+    def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
+        assert isinstance(environment, HomeEnvironment), "an environment of this domain"
+        return self._truth(environment.world, concept, names)
 
     def actions_of(self, recipe: Recipe, world: World) -> tuple[Action, ...]:
         """The actions of a recipe over the objects of ``world``."""

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.domains.home.cameras import camera_names, picture
-from pix2pred.domains.home.domain import Split
+from pix2pred.domains.home.cameras import some_pictures
 from pix2pred.domains.home.drawing.room import STYLES
 from pix2pred.domains.home.drawing.vessels import DRINKS
 from pix2pred.domains.home.world import Body, Thing, World
 from pix2pred.domains.juice.families import DEMONSTRATED_FRUITS, JUICE_CUPS, NEW_FRUITS
 from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 from pix2pred.domains.juice.skills import FULL
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Picture
 
 Rng = np.random.Generator
@@ -23,7 +23,7 @@ _FRUITS = (*DEMONSTRATED_FRUITS, *NEW_FRUITS)
 
 def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
     """``per_look`` arrangements of things in differently drawn scenes, apart from demonstrations and tasks."""
-    rng = np.random.default_rng(np.random.SeedSequence((seed, int(Split.READER), look)))
+    rng = scene_generator(seed, Split.READER, look)
     body = Body.HUMAN if rng.random() < 0.5 else Body.ROBOT
     style = str(rng.choice(sorted(STYLES)))
     kinds = [str(k) for k in rng.choice(JUICE_CUPS, size=int(rng.integers(2, 4)))]
@@ -73,6 +73,4 @@ def _filled(container: Thing, squeezed: list[str], rng: Rng) -> Thing:
 
 def views(world: World) -> list[Picture]:
     """What a person sees, or the robot's hand camera and some of the others, drawn by the world's own seed."""
-    rng = np.random.default_rng(np.random.SeedSequence((world.room, 13)))
-    chosen = [n for n in camera_names(world) if n in ("head", "hand_color") or rng.random() < 0.3]
-    return [picture(world, name) for name in chosen]
+    return some_pictures(world, 0.3)

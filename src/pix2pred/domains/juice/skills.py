@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from pix2pred.domains.home.conditions import hand_is_empty, holds, within_reach
 from pix2pred.domains.home.drawing.movables import KINDS
 from pix2pred.domains.home.drawing.vessels import HOPPER_RADIUS, HOPPER_TOP, RIND_PLACE
 from pix2pred.domains.home.episode import SkillFailedError
@@ -12,7 +13,6 @@ from pix2pred.domains.home.places import (
     hopper_contents,
     in_hopper,
     in_region,
-    reachable,
     region_middle,
 )
 from pix2pred.domains.home.settling import let_go, rise_of
@@ -50,12 +50,11 @@ def place_in_juice_region(world: World, name: str, juicer: str) -> World:
 
 def place_inside(world: World, name: str, juicer: str) -> World:
     """Let go of the held fruit over the open hopper."""
-    _holds(world, name)
+    holds(world, name)
     machine, fruit = world.thing(juicer), world.thing(name)
     if not machine.opened:
         raise SkillFailedError(f"the lid of {juicer} is closed")
-    if not reachable(machine):
-        raise SkillFailedError(f"{juicer} is out of reach")
+    within_reach(world, juicer)
     if fruit.squeezed:
         raise SkillFailedError(f"{name} is squeezed already")
     if KINDS[fruit.kind].radius > HOPPER_RADIUS:
@@ -74,14 +73,13 @@ def place_inside(world: World, name: str, juicer: str) -> World:
 
 def pour(world: World, source: str, target: str) -> World:
     """Pour what the held vessel holds into another one."""
-    _holds(world, source)
+    holds(world, source)
     poured, into = world.thing(source), world.thing(target)
     if not poured.contents:
         raise SkillFailedError(f"there is nothing in {source} to pour out")
     if into.contents:
         raise SkillFailedError(f"{target} is full")
-    if not reachable(into):
-        raise SkillFailedError(f"{target} is out of reach")
+    within_reach(world, target)
     emptied = replace(poured, contents=(), amount=0.0)
     filled = replace(into, contents=poured.contents, amount=poured.amount)
     return replace(world.with_thing(emptied, filled), gaze=target)
@@ -89,10 +87,9 @@ def pour(world: World, source: str, target: str) -> World:
 
 def close_lid(world: World, juicer: str) -> World:
     """Close the juicer's lid."""
-    _hand_is_empty(world)
+    hand_is_empty(world)
     machine = world.thing(juicer)
-    if not reachable(machine):
-        raise SkillFailedError(f"{juicer} is out of reach")
+    within_reach(world, juicer)
     if not machine.opened:
         raise SkillFailedError(f"the lid of {juicer} is closed already")
     return replace(world.with_thing(replace(machine, opened=False)), gaze=juicer)
@@ -100,10 +97,9 @@ def close_lid(world: World, juicer: str) -> World:
 
 def run_machine(world: World, juicer: str, juice_cup: str, waste_cup: str) -> World:
     """Juice whatever is in the hopper: juice into one cup, pulp into the other, the rinds onto the tray."""
-    _hand_is_empty(world)
+    hand_is_empty(world)
     machine = world.thing(juicer)
-    if not reachable(machine):
-        raise SkillFailedError(f"{juicer} is out of reach")
+    within_reach(world, juicer)
     if not machine.powered:
         raise SkillFailedError(f"{juicer} has no power")
     if machine.opened:
@@ -130,10 +126,9 @@ def _rinds(world: World, machine: Thing, fruits: tuple[str, ...]) -> list[Thing]
 
 
 def _placed(world: World, name: str, juicer: str, region: Region) -> World:
-    _holds(world, name)
+    holds(world, name)
     machine = world.thing(juicer)
-    if not reachable(machine):
-        raise SkillFailedError(f"{juicer} is out of reach")
+    within_reach(world, juicer)
     for other in world.of_type("container"):
         if other.name != name and in_region(world, other.name, juicer, region):
             raise SkillFailedError(f"{other.name} stands under the {region.name.lower()} valve already")
@@ -141,18 +136,7 @@ def _placed(world: World, name: str, juicer: str, region: Region) -> World:
     return replace(world.with_thing(replace(world.thing(name), at=at)), holding=None, gaze=name)
 
 
-def _hand_is_empty(world: World) -> None:
-    if world.holding is not None:
-        raise SkillFailedError(f"the hand already holds {world.holding}")
-
-
-def _holds(world: World, name: str) -> None:
-    if world.holding != name:
-        raise SkillFailedError(f"{name} is not held" + (f", {world.holding} is" if world.holding else ""))
-
-
 def _taken(world: World, name: str) -> World:
-    _hand_is_empty(world)
-    if not reachable(world.thing(name)):
-        raise SkillFailedError(f"{name} is out of reach")
+    hand_is_empty(world)
+    within_reach(world, name)
     return replace(world, holding=name, gaze=name)

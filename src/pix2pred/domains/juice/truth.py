@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 from pix2pred.domains.home.drawing.vessels import VESSELS
-from pix2pred.domains.home.episode import HomeEnvironment
 from pix2pred.domains.home.places import Region, hopper_contents, in_hopper, in_region
 from pix2pred.domains.home.world import World
 from pix2pred.domains.juice.rules import juice_of
-
-
-@dataclass(frozen=True, slots=True)
-class Concept:
-    """What a word means here: the type names of its arguments and its value in a world."""
-
-    types: tuple[str, ...]
-    value: Callable[..., bool]
+from pix2pred.domains.words import Concept, TrueWords
 
 
 def _outside(world: World, fruit: str) -> bool:
@@ -41,18 +32,4 @@ CONCEPTS: Mapping[str, Concept] = {
     "loaded": Concept(("juicer",), lambda w, j: bool(hopper_contents(w, j))),
 }
 
-
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
-    if concept not in CONCEPTS:
-        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
-    wanted = CONCEPTS[concept].types
-    types = world.types()
-    if len(names) != len(wanted) or any(types.get(n) != t for n, t in zip(names, wanted, strict=True)):
-        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
-    return CONCEPTS[concept].value(world, *names)
-
-
-def value_now(environment: HomeEnvironment, concept: str, names: Sequence[str]) -> bool:
-    """The value of ``concept`` in the environment's present state."""
-    return concept_value(environment.world, concept, names)
+concept_value = TrueWords(CONCEPTS, World.types).value

@@ -8,10 +8,11 @@ from typing import Any
 
 from pix2pred.domains import scripted
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
-from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, Split, boiling, push_kettle, start_world, turn_on
+from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, boiling, push_kettle, start_world, turn_on
 from pix2pred.domains.kitchen.truth import value_now
 from pix2pred.domains.kitchen.vocabulary import OBJECTS, VOCABULARY
-from pix2pred.domains.kitchen.world import World
+from pix2pred.domains.kitchen.world import KitchenWorld
+from pix2pred.domains.seeds import Split
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
 
@@ -68,19 +69,19 @@ class KitchenDomain:
             raise ValueError("the kitchen knows no disturbances")
         if set(task.objects) != set(OBJECTS):
             raise ValueError(f"task {task.name}: its objects are not those of the kitchen")
-        return KitchenEnvironment(World.from_dict(simulator), task.goal)
+        return KitchenEnvironment(KitchenWorld.from_dict(simulator), task.goal)
 
     def _check(self, family: str) -> None:
         if family not in self.families:
             raise ValueError(f"kitchen has no family {family!r}; choose from {', '.join(self.families)}")
 
 
-def _task(name: str, world: World, number: str) -> SimulatedTask:
+def _task(name: str, world: KitchenWorld, number: str) -> SimulatedTask:
     goal = boiling(number)
     return SimulatedTask(Task(name, OBJECTS, KitchenEnvironment(world, goal).observe(), goal), world.to_dict())
 
 
-def _demonstrate(name: str, world: World) -> Demo:
+def _demonstrate(name: str, world: KitchenWorld) -> Demo:
     goal = boiling("4")
     actions = (turn_on("4"), push_kettle("4"))
     return scripted.demonstrate(name, KitchenEnvironment(world, goal), OBJECTS, actions, goal)

@@ -9,8 +9,8 @@ from pix2pred.domains.kitchen.arm import Arm, DivergedError, UnreachableError
 from pix2pred.domains.kitchen.classifiers import features_of, holds
 from pix2pred.domains.kitchen.model import kitchen_camera, kitchen_model
 from pix2pred.domains.kitchen.observe import observe
-from pix2pred.domains.kitchen.skills import SkillFailedError, run_skill
-from pix2pred.domains.kitchen.world import World
+from pix2pred.domains.kitchen.skills import PushFailedError, run_skill
+from pix2pred.domains.kitchen.world import KitchenWorld
 from pix2pred.domains.physics import mujoco_library
 from pix2pred.structs import Action, Atom, State
 from pix2pred.structs.environment import FrameSink, Step, StepStatus
@@ -29,7 +29,7 @@ class _HorizonError(RuntimeError):
 class KitchenEnvironment:
     """An episode that starts in ``initial``. ``data`` is the ground truth; only states are meant to leave."""
 
-    def __init__(self, initial: World, goal: Sequence[Atom], horizon: int = HORIZON) -> None:
+    def __init__(self, initial: KitchenWorld, goal: Sequence[Atom], horizon: int = HORIZON) -> None:
         self.steps = 0
         self._horizon = horizon
         self._initial = initial
@@ -40,16 +40,16 @@ class KitchenEnvironment:
         self.reset()
 
     @property
-    def world(self) -> World:
+    def world(self) -> KitchenWorld:
         """The joint positions now."""
-        return World(tuple(float(v) for v in self.data.qpos))
+        return KitchenWorld(tuple(float(v) for v in self.data.qpos))
 
     def reset(self) -> None:
         """Start the episode over."""
         self.steps = 0
         self._show(self._initial)
 
-    def _show(self, world: World) -> None:
+    def _show(self, world: KitchenWorld) -> None:
         mujoco = mujoco_library()
         mujoco.mj_resetData(self._model, self.data)
         self.data.qpos[:] = world.positions
@@ -84,7 +84,7 @@ class KitchenEnvironment:
         except DivergedError as error:
             self._show(before)
             return Step(StepStatus.STUCK, f"{action}: {error}; the state from before is restored")
-        except (SkillFailedError, UnreachableError) as error:
+        except (PushFailedError, UnreachableError) as error:
             return Step(StepStatus.STUCK, f"{action}: {error}")
         return Step(StepStatus.DONE)
 

@@ -7,7 +7,8 @@ import numpy as np
 from pix2pred.domains.kitchen.arm import JOINTS
 from pix2pred.domains.kitchen.environment import HORIZON, KitchenEnvironment
 from pix2pred.domains.kitchen.scenes import KETTLE_PUSH, LEFT, PUSH_ANGLE, RIGHT, push_kettle, turn_on
-from pix2pred.domains.kitchen.world import World, standing_world
+from pix2pred.domains.kitchen.world import KitchenWorld, standing_world
+from pix2pred.domains.seeds import Split, scene_generator
 
 _FINISHED = 0.7
 _TURNS = 0.4
@@ -16,22 +17,21 @@ _BURNERS = ((0.221, 0.339), (-0.225, 0.339), (0.219, 0.78), (-0.222, 0.78))
 """Centres of the four burners (metres)."""
 
 
-def random_worlds(seed: int, looks: int, per_look: int) -> list[World]:
-    """``looks`` groups of ``per_look`` scenes, from ``SeedSequence((seed, 2))``, apart from demonstrations and tasks.
+def random_worlds(seed: int, looks: int, per_look: int) -> list[KitchenWorld]:
+    """``looks`` groups of ``per_look`` scenes, apart from demonstrations and tasks.
 
     A group holds what a skill with random parameters leaves behind, stopped anywhere on its way in 30 % of the cases,
     and copies of it with knobs and kettle put elsewhere.
     """
-    worlds: list[World] = []
-    for child in np.random.SeedSequence((seed, 2)).spawn(looks):
-        rng = np.random.default_rng(child)
+    worlds: list[KitchenWorld] = []
+    for rng in scene_generator(seed, Split.READER).spawn(looks):
         first = _left_behind(rng)
         worlds.append(first)
         worlds.extend(_rearranged(rng, first) for _ in range(per_look - 1))
     return worlds
 
 
-def _left_behind(rng: np.random.Generator) -> World:
+def _left_behind(rng: np.random.Generator) -> KitchenWorld:
     """The kitchen after a skill with random parameters, or somewhere on its way."""
     start = standing_world(*_kettle_place(rng), _knobs(rng))
     number = str(int(rng.integers(1, 5)))
@@ -45,10 +45,10 @@ def _left_behind(rng: np.random.Generator) -> World:
     return environment.world
 
 
-def _rearranged(rng: np.random.Generator, world: World) -> World:
+def _rearranged(rng: np.random.Generator, world: KitchenWorld) -> KitchenWorld:
     """``world`` with the arm where it is, and knobs and a standing kettle put elsewhere."""
     other = standing_world(*_kettle_place(rng), _knobs(rng))
-    return World(world.positions[:JOINTS] + other.positions[JOINTS:])
+    return KitchenWorld(world.positions[:JOINTS] + other.positions[JOINTS:])
 
 
 def _kettle_place(rng: np.random.Generator) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pix2pred.domains.kitchen.model import geoms_of_objects, kitchen_camera, kitchen_model
-from pix2pred.domains.kitchen.world import World
+from pix2pred.domains.kitchen.world import KitchenWorld
 from pix2pred.domains.physics import mujoco_library
 from pix2pred.structs import Picture
 
@@ -15,7 +15,7 @@ def picture_of(data: Any) -> Picture:
     return kitchen_camera().picture(data, geoms_of_objects())
 
 
-def simulation_of(world: World) -> Any:
+def simulation_of(world: KitchenWorld) -> Any:
     """A simulation showing ``world``."""
     mujoco = mujoco_library()
     data = mujoco.MjData(kitchen_model())
@@ -24,6 +24,6 @@ def simulation_of(world: World) -> Any:
     return data
 
 
-def render(world: World) -> Picture:
+def render(world: KitchenWorld) -> Picture:
     """The picture of ``world``."""
     return picture_of(simulation_of(world))

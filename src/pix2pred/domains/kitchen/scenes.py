@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-
 import numpy as np
 
 from pix2pred.domains.kitchen.vocabulary import KETTLE_BOILING, OBJECT_OF, PUSH_KETTLE, TURN_ON_KNOB
-from pix2pred.domains.kitchen.world import World, standing_world
+from pix2pred.domains.kitchen.world import KitchenWorld, standing_world
+from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Action, Atom
 
 PUSH_ANGLE = np.pi / 9
@@ -20,16 +19,9 @@ LEFT, RIGHT = -0.269, 0.169
 """x of the kettle's start in demonstrations and in tests, in metres."""
 
 
-class Split(IntEnum):
-    """The second number of a seed: what the scene is for."""
-
-    DEMONSTRATIONS = 0
-    TASKS = 1
-
-
-def start_world(seed: int, split: Split, index: int, x: float) -> World:
+def start_world(seed: int, split: Split, index: int, x: float) -> KitchenWorld:
     """The kettle stands at ``x``, 40 to 55 cm before the robot; seeded by ``(seed, split, index)``."""
-    rng = np.random.default_rng(np.random.SeedSequence((seed, int(split), index)))
+    rng = scene_generator(seed, split, index)
     return standing_world(x, float(rng.uniform(0.4, 0.55)))
 
 

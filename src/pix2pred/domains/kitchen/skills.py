@@ -39,7 +39,7 @@ _BEFORE_PANEL = 0.42
 _MIDDLE = (0.0, 0.42, _ABOVE)
 
 
-class SkillFailedError(RuntimeError):
+class PushFailedError(RuntimeError):
     """A skill cannot reach its end; the message says why."""
 
 
@@ -57,13 +57,13 @@ def _check(action: Action) -> None:
     known = {s.name: s for s in (TURN_ON_KNOB, PUSH_KETTLE)}
     skill = known.get(action.skill.name)
     if skill is None:
-        raise SkillFailedError(f"the kitchen has no skill {action.skill.name}")
+        raise PushFailedError(f"the kitchen has no skill {action.skill.name}")
     if len(action.objects) != len(skill.types) or not all(
         o.type.is_a(t) for o, t in zip(action.objects, skill.types, strict=True)
     ):
-        raise SkillFailedError(f"{skill} does not take ({', '.join(o.name for o in action.objects)})")
+        raise PushFailedError(f"{skill} does not take ({', '.join(o.name for o in action.objects)})")
     if len(action.params) != skill.dimension or not np.isfinite(action.params).all():
-        raise SkillFailedError(f"{skill.name} needs {skill.dimension} finite parameters, found {list(action.params)}")
+        raise PushFailedError(f"{skill.name} needs {skill.dimension} finite parameters, found {list(action.params)}")
 
 
 def _turn_on(arm: Arm, data: Any, knob: str, angle: float) -> None:
@@ -77,7 +77,7 @@ def _turn_on(arm: Arm, data: Any, knob: str, angle: float) -> None:
     _push(arm, np.array([np.cos(angle), np.sin(angle), 0.0]), _LONGEST_TURN, turned)
     _go_home(arm)
     if not turned():
-        raise SkillFailedError(f"{knob} was turned to {knob_angle(data, knob):.2f} radians only")
+        raise PushFailedError(f"{knob} was turned to {knob_angle(data, knob):.2f} radians only")
 
 
 def _push_kettle(arm: Arm, data: Any, burner: str, params: Sequence[float]) -> None:
@@ -93,7 +93,7 @@ def _push_kettle(arm: Arm, data: Any, burner: str, params: Sequence[float]) -> N
     if not is_kettle_on(data, burner):
         state = "ended" if is_upright(data) else "was knocked over and ended"
         off = 100 * (data.body("kettle").xpos - data.body(f"Burner {burner[-1]}").xpos)
-        raise SkillFailedError(f"the kettle {state} {off[0]:+.0f} cm in x and {off[1]:+.0f} cm in y from {burner}")
+        raise PushFailedError(f"the kettle {state} {off[0]:+.0f} cm in x and {off[1]:+.0f} cm in y from {burner}")
 
 
 def _approach(arm: Arm, pitch: float, via: ArrayLike, start: ArrayLike) -> None:

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pix2pred.domains.kitchen.classifiers import is_kettle_on, is_on
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
 from pix2pred.domains.kitchen.render import simulation_of
-from pix2pred.domains.kitchen.vocabulary import OBJECT_OF
-from pix2pred.domains.kitchen.world import World
-
-
-@dataclass(frozen=True, slots=True)
-class Concept:
-    """What a word means here: the type names of its arguments and its value in a simulation."""
-
-    types: tuple[str, ...]
-    value: Callable[..., bool]
+from pix2pred.domains.kitchen.vocabulary import OBJECTS
+from pix2pred.domains.kitchen.world import KitchenWorld
+from pix2pred.domains.words import Concept, TrueWords
 
 
 def _burner_on(data: Any, burner: str) -> bool:
@@ -46,28 +38,18 @@ CONCEPTS: Mapping[str, Concept] = {
 }
 """Every word with a ground truth."""
 
-_last: list[tuple[World, Any]] = []
+_WORDS = TrueWords(CONCEPTS, lambda data: {o.name: o.type.name for o in OBJECTS})
+
+_last: list[tuple[KitchenWorld, Any]] = []
 
 
-def concept_value(world: World, concept: str, names: Sequence[str]) -> bool:
+def concept_value(world: KitchenWorld, concept: str, names: Sequence[str]) -> bool:
     """The value of ``concept`` for the objects called ``names``. Raises ``ValueError`` when either does not fit."""
     if not _last or _last[0][0] is not world:
         _last[:] = [(world, simulation_of(world))]
-    return _value(_last[0][1], concept, names)
+    return _WORDS.value(_last[0][1], concept, names)
 
 
 def value_now(environment: KitchenEnvironment, concept: str, names: Sequence[str]) -> bool:
     """The value of ``concept`` in the environment's present state."""
-    return _value(environment.data, concept, names)
-
-
-def _value(data: Any, concept: str, names: Sequence[str]) -> bool:
-    if concept not in CONCEPTS:
-        raise ValueError(f"no ground truth for {concept!r}; known are {', '.join(CONCEPTS)}")
-    wanted = CONCEPTS[concept].types
-    fits = len(names) == len(wanted) and all(
-        n in OBJECT_OF and OBJECT_OF[n].type.name == t for n, t in zip(names, wanted, strict=True)
-    )
-    if not fits:
-        raise ValueError(f"{concept} takes ({', '.join(wanted)}), found ({', '.join(names)})")
-    return bool(CONCEPTS[concept].value(data, *names))
+    return _WORDS.value(environment.data, concept, names)

@@ -29,7 +29,7 @@ STANDING = 1.6203
 
 
 @dataclass(frozen=True, slots=True)
-class World:
+class KitchenWorld:
     """Joint positions (metres, radians, a quaternion), as the model orders them; everything is at rest."""
 
     positions: tuple[float, ...]
@@ -47,7 +47,7 @@ class World:
         return {"positions": list(self.positions)}
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> World:
+    def from_dict(cls, data: Mapping[str, Any]) -> KitchenWorld:
         """Read ``to_dict()``. Raises ``ValueError`` when it is something else."""
         try:
             return cls(tuple(float(v) for v in data["positions"]))
@@ -55,11 +55,11 @@ class World:
             raise ValueError(f"not a kitchen state: {error}") from error
 
 
-def standing_world(x: float, y: float, knobs: tuple[float, float, float, float] = (0, 0, 0, 0)) -> World:
+def standing_world(x: float, y: float, knobs: tuple[float, float, float, float] = (0, 0, 0, 0)) -> KitchenWorld:
     """The arm at home, the kettle standing at ``(x, y)`` metres, the knobs at angles from 0 (off) to -1.57 radians."""
     positions = np.zeros(SIZE)
     positions[:JOINTS] = REST_AT_HOME
     positions[KETTLE] = (x, y, STANDING, 1, 0, 0, 0)
     for knob, burner, angle in zip(KNOBS, BURNERS, knobs, strict=True):
         positions[knob], positions[burner] = angle, angle / ANGLE_PER_METRE
-    return World(tuple(float(v) for v in positions))
+    return KitchenWorld(tuple(float(v) for v in positions))

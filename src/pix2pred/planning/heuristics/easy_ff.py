@@ -7,51 +7,26 @@ earliest layers in sum. Relaxed plans get shorter and tell more, where facts hav
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable
+from functools import partial
 
-from pix2pred.planning.heuristics.heuristic import Evaluation, Heuristic
+from pix2pred.planning.heuristics.ff import FF
 from pix2pred.planning.strips import Strips, bits
 
 
-class EasyFF(Heuristic):
+class EasyFF(FF):
     """Length of a delete-free plan of easy operators. Preferred are the operators of that plan that apply at once."""
 
     def __init__(self, task: Strips) -> None:
-        task = task.without_static_facts()
-        self._goal = task.goal
-        self._ways = task.relaxed()
-        self._count = len(task.pre)
+        super().__init__(task)
         self._adding: dict[int, list[int]] = defaultdict(list)
         for way, (_, add, _) in enumerate(self._ways):
             for fact in bits(add):
                 self._adding[fact].append(way)
 
-    def __call__(self, state: int) -> int | None:
-        found = self.evaluate(state)
-        return None if found is None else found.estimate
-
-    def evaluate(self, state: int) -> Evaluation | None:
+    def _achievers(self, state: int) -> Callable[[int], int] | None:
         layers = self._layers(state)
-        if layers is None:
-            return None
-        used: set[int] = set()
-        plan: set[int] = set()
-        helpful = 0
-        open_facts = list(bits(self._goal & ~state))
-        wanted = self._goal
-        while open_facts:
-            way = self._easiest(open_facts.pop(), layers)
-            if way in used:
-                continue
-            used.add(way)
-            pre, _, k = self._ways[way]
-            needs = pre & ~state
-            if k < self._count:
-                plan.add(k)
-                if not needs:
-                    helpful |= 1 << k
-            open_facts.extend(bits(needs & ~wanted))
-            wanted |= needs
-        return Evaluation(len(plan), helpful)
+        return None if layers is None else partial(self._easiest, layers)
 
     def _layers(self, state: int) -> list[int] | None:
         """The facts reached after 0, 1, 2, ... layers of operators; ``None`` when the goal is never among them."""
@@ -72,7 +47,7 @@ class EasyFF(Heuristic):
             waiting = still
         return layers
 
-    def _easiest(self, fact: int, layers: list[int]) -> int:
+    def _easiest(self, layers: list[int], fact: int) -> int:
         """The easiest way to ``fact`` among those that are open in the layer before its first."""
         bit = 1 << fact
         level = next(i for i, layer in enumerate(layers) if layer & bit)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from pix2pred.planning.heuristics.heuristic import Evaluation, Heuristic
 from pix2pred.planning.strips import Strips, bits
 
 
 class FF(Heuristic):
-    """Length of a delete-free plan from a state. Preferred are the operators of that plan that apply at once."""
+    """Length of a delete-free plan from a state. Preferred are the operators of that plan that apply at once.
+
+    Every fact is achieved by the first operator that reaches it.
+    """
 
     def __init__(self, task: Strips) -> None:
         task = task.without_static_facts()
@@ -21,7 +26,7 @@ class FF(Heuristic):
         return None if found is None else found.estimate
 
     def evaluate(self, state: int) -> Evaluation | None:
-        achiever = self._explore(state)
+        achiever = self._achievers(state)
         if achiever is None:
             return None
         used: set[int] = set()
@@ -30,7 +35,7 @@ class FF(Heuristic):
         open_facts = list(bits(self._goal & ~state))
         wanted = self._goal
         while open_facts:
-            way = achiever[open_facts.pop()]
+            way = achiever(open_facts.pop())
             if way in used:
                 continue
             used.add(way)
@@ -44,8 +49,8 @@ class FF(Heuristic):
             wanted |= needs
         return Evaluation(len(plan), helpful)
 
-    def _explore(self, state: int) -> dict[int, int] | None:
-        """The first way to achieve each fact, layer by layer, until the goal is reached."""
+    def _achievers(self, state: int) -> Callable[[int], int] | None:
+        """What tells the operator that achieves a fact; ``None`` when the goal cannot be reached from ``state``."""
         goal = self._goal
         reached = state
         achiever: dict[int, int] = {}
@@ -64,4 +69,4 @@ class FF(Heuristic):
             if reached == layer:
                 return None
             waiting = still
-        return achiever
+        return achiever.__getitem__

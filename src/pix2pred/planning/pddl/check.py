@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from itertools import product
 
 from pix2pred.planning.pddl.formulas import (
-    Action,
     And,
     Equality,
     Formula,
     FunctionValue,
     Literal,
     Or,
+    PddlAction,
     Quantified,
     TypedName,
     conjuncts,
@@ -79,7 +79,7 @@ class CheckedPlan:
 
 def check_plan(domain: PddlDomain, problem: PddlProblem, plan: Iterable[PddlStep]) -> CheckedPlan:
     """Execute ``plan`` and say what happens."""
-    world = World(domain, problem)
+    world = CheckedState(domain, problem)
     facts = {(a.predicate.name, *(o.name for o in a.objects)) for a in problem.initial}
     state = world.derived(facts)
     done: list[CheckedStep] = []
@@ -93,7 +93,7 @@ def check_plan(domain: PddlDomain, problem: PddlProblem, plan: Iterable[PddlStep
     return CheckedPlan(tuple(done), unmet, sum(s.cost for s in done))
 
 
-class World:
+class CheckedState:
     """What never changes in a problem: objects, types, actions and rules. Executes steps and evaluates conditions."""
 
     def __init__(self, domain: PddlDomain, problem: PddlProblem) -> None:
@@ -130,7 +130,7 @@ class World:
         after = (facts - removed) | added
         return CheckedStep(step, (), tuple(sorted(after - facts)), tuple(sorted(facts - after)), cost), after
 
-    def _misfit(self, step: PddlStep, action: Action | None) -> str:
+    def _misfit(self, step: PddlStep, action: PddlAction | None) -> str:
         """Why ``step`` is no instance of an action, in words; an empty text when it is one."""
         if action is None:
             return f"there is no action {step.action}"
@@ -187,7 +187,7 @@ class World:
             if not self.holds(part, env, state):
                 yield f"{shown(part, env)} does not hold"
 
-    def _cost(self, action: Action, env: Environment) -> int | None:
+    def _cost(self, action: PddlAction, env: Environment) -> int | None:
         if not self._has_costs:
             return 1
         total = 0

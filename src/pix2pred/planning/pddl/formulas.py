@@ -121,7 +121,7 @@ class FunctionValue:
 
 
 @dataclass(frozen=True, slots=True)
-class Action:
+class PddlAction:
     """An action of a domain. It costs the sum of ``costs``; what it deletes and adds at once is added."""
 
     name: str

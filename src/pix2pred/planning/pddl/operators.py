@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from pix2pred.planning.pddl.formulas import TRUE, Action, Equality, Literal, conjuncts
+from pix2pred.planning.pddl.formulas import TRUE, Equality, Literal, PddlAction, conjuncts
 from pix2pred.planning.pddl.syntax import PddlError, Place
 from pix2pred.structs import FromDomain, LiftedAtom, Operator, Predicate, Skill, Type, Variable
 
@@ -46,7 +46,7 @@ def skill_notes(text: str) -> dict[str, SkillNote]:
 
 
 def strips_operators(
-    actions: Sequence[Action],
+    actions: Sequence[PddlAction],
     types: Mapping[str, Type],
     predicates: Mapping[str, Predicate],
     notes: Mapping[str, SkillNote],
@@ -86,7 +86,7 @@ def strips_operators(
 
 
 def _operator(
-    action: Action,
+    action: PddlAction,
     note: SkillNote,
     variables: Mapping[str, Variable],
     predicates: Mapping[str, Predicate],

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from itertools import permutations
 
 from pix2pred.planning.pddl.conditions import FormulaReader, whole_number
-from pix2pred.planning.pddl.formulas import TRUE, Action, DerivedPredicate, Formula, Literal, TypedName, conjuncts
+from pix2pred.planning.pddl.formulas import TRUE, DerivedPredicate, Formula, Literal, PddlAction, TypedName, conjuncts
 from pix2pred.planning.pddl.operators import UNEQUAL, StripsOperators, skill_notes, strips_operators
 from pix2pred.planning.pddl.parts import NO_PREDICATES, action_parts, declared, items, sections
 from pix2pred.planning.pddl.scope import Scope, read_types
@@ -41,7 +41,7 @@ class PddlDomain:
     names: Mapping[tuple[str, str], str] = field(default_factory=dict)
     """Original names by kind and PDDL form, where the two differ; problems may use either."""
     is_strips: bool = True
-    actions: tuple[Action, ...] = ()
+    actions: tuple[PddlAction, ...] = ()
     derived: tuple[DerivedPredicate, ...] = ()
     levels: tuple[frozenset[str], ...] = ()
     """The derived predicates in the order in which they are evaluated."""
@@ -89,7 +89,7 @@ def read_domain(text: str) -> PddlDomain:
         levels = strata(derived)
     except CircularNegationError as error:
         raise PddlError(found[":derived"][0].at, f"{error} is derived from its own negation") from error
-    actions: dict[str, Action] = {}
+    actions: dict[str, PddlAction] = {}
     places: dict[str, Place] = {}
     for group in found.get(":action", ()):
         word, action = _action(group, scope, reader, {d.head for d in derived})
@@ -231,7 +231,7 @@ def _derived(group: Group, scope: Scope, reader: FormulaReader) -> DerivedPredic
     return DerivedPredicate(scope.original("predicate", word.text), given, body)
 
 
-def _action(group: Group, scope: Scope, reader: FormulaReader, derived: set[str]) -> tuple[Word, Action]:
+def _action(group: Group, scope: Scope, reader: FormulaReader, derived: set[str]) -> tuple[Word, PddlAction]:
     word, parts = action_parts(group)
     listed = parts[":parameters"].items if ":parameters" in parts else ()
     parameters = tuple(scope.typed(w) for w in declared(listed, "variable"))
@@ -240,7 +240,7 @@ def _action(group: Group, scope: Scope, reader: FormulaReader, derived: set[str]
     for effect in effects:
         if effect.literal.predicate in derived:
             raise PddlError(word.at, f"action {word.text} changes {effect.literal.predicate}, which is derived")
-    action = Action(
+    action = PddlAction(
         scope.original("action", word.text),
         parameters,
         reader.condition(parts.get(":precondition"), variables),

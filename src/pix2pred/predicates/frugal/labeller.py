@@ -10,10 +10,11 @@ from pix2pred.images import skill_crop
 from pix2pred.predicates.frugal.definitions import meanings_of, skill_lines
 from pix2pred.predicates.frugal.histories import History, HistoryFormat
 from pix2pred.predicates.frugal.proposing import NOTHING
-from pix2pred.predicates.labelling.asking import Asked, Asker, Occurrence
+from pix2pred.predicates.labelling.asking import Asked, Asker, Occurrence, in_batches
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel
+from pix2pred.predicates.labelling.telling import Telling
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
 from pix2pred.structs import Action, Atom, Demo, FromVLM, Label, Object, State
 from pix2pred.structs.views import View
@@ -52,12 +53,13 @@ class FrugalLabeller:
     together: Together = field(default_factory=Together)
 
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
+        asking = replace(self, vlm=Telling(self.vlm, demo.name))
         labels: list[StateLabels] = []
         for stretch in self._stretches(demo):
             about = f"{demo.name}, states {stretch.numbers[0]} to {stretch.numbers[-1]}"
             known = labels[-1].values if labels else {}
             # a stretch begins with the last state of the one before, whose labels are there already
-            labels += self._labels(stretch, demo.objects, atoms, known, about)[1 if labels else 0 :]
+            labels += asking._labels(stretch, demo.objects, atoms, known, about)[1 if labels else 0 :]
         return tuple(labels)
 
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
@@ -120,7 +122,7 @@ class FrugalLabeller:
         form = HistoryFormat(stretch.numbers)
         asker = Asker(self.vlm, self.settings, form, self.together, Purpose.HISTORY, question, about)
         asked = Asked[History]()
-        for one in self.together.map(asker.ask, self._batches(atoms)):
+        for one in self.together.map(asker.ask, in_batches(atoms, self.settings.max_atoms_per_query)):
             asked.merge(one)
         carried = known if self.settings.missing == "carry_previous" else {}
         without = {a: (carried.get(a, Label.FALSE),) * len(stretch.states) for a in atoms}
@@ -134,11 +136,6 @@ class FrugalLabeller:
         # one answer speaks of all states; it is counted, and kept, with the last, which is new in every stretch
         labels[-1] = replace(labels[-1], text=text, counts=counts, unusable=useless, gaps=asker.gaps(asked))
         return labels
-
-    def _batches(self, atoms: Sequence[Atom]) -> list[list[Atom]]:
-        ordered = sorted(atoms, key=atom_text)
-        size = self.settings.max_atoms_per_query or max(1, len(ordered))
-        return [ordered[i : i + size] for i in range(0, len(ordered), size)]
 
     def _text(
         self,

@@ -87,6 +87,7 @@ def words_request(
         budget,
         attempt=attempt,
         about=demo.name,
+        demo=demo.name,
         review=lambda answer: review(read_words(demo, answer, settings)),
     )
 

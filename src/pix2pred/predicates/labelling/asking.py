@@ -45,7 +45,7 @@ TOKENS_OF_REASONING = 1024
 _MORE = 4
 """How much larger the budget of a single atom grows when it was too small."""
 
-Question = Callable[[Sequence[Atom]], tuple[Part, ...]]
+MakeQuestion = Callable[[Sequence[Atom]], tuple[Part, ...]]
 """Text and pictures of a query about some atoms."""
 
 
@@ -108,7 +108,7 @@ class Asker(Generic[Value]):
     format: AnswerFormat[Value]
     together: Together
     purpose: Purpose
-    question: Question
+    question: MakeQuestion
     about: str
 
     def ask(self, atoms: Sequence[Atom]) -> Asked[Value]:
@@ -190,6 +190,13 @@ class Asker(Generic[Value]):
         for atom, reason in asked.reasons.items():
             reasons.setdefault(reason, []).append(atom_text(atom))
         return tuple(Gap(self.about, self.purpose, tuple(sorted(t)), r) for r, t in sorted(reasons.items()))
+
+
+def in_batches(atoms: Sequence[Atom], most: int | None) -> list[list[Atom]]:
+    """``atoms`` in the order of their texts, at most so many together; all together when ``most`` is None or 0."""
+    ordered = sorted(atoms, key=atom_text)
+    size = most or max(1, len(ordered))
+    return [ordered[i : i + size] for i in range(0, len(ordered), size)]
 
 
 def _review(parsed: Parsed[Value], texts: Sequence[str]) -> Review | None:

@@ -7,38 +7,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from pix2pred.images import skill_crop
-from pix2pred.predicates.labelling.asking import Asker, Occurrence, Question
+from pix2pred.predicates.labelling.asking import Asker, MakeQuestion, Occurrence, in_batches
 from pix2pred.predicates.labelling.label_format import LabelFormat
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel
+from pix2pred.predicates.labelling.telling import Telling
 from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
-from pix2pred.structs import (
-    Action,
-    Atom,
-    Demo,
-    Label,
-    Object,
-    State,
-)
+from pix2pred.structs import Action, Atom, Demo, Label, Object, State
 from pix2pred.structs.views import View
-from pix2pred.vlm import VLM, Answer, Purpose, Request, Together
+from pix2pred.vlm import VLM, Purpose, Together
 from pix2pred.vlm.request import Part
-
-
-@dataclass(frozen=True, slots=True)
-class _Foreseeing:
-    """A model that is told with every question the pictures of the one to follow."""
-
-    model: VLM
-    upcoming: tuple[View, ...]
-
-    @property
-    def name(self) -> str:
-        return self.model.name
-
-    def answer(self, request: Request) -> Answer:
-        return self.model.answer(replace(request, upcoming=self.upcoming))
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,16 +36,13 @@ class Labeller:
             for t, action in enumerate(demo.actions, start=1)
         ]
         after = [*(self._before_and_after(step, objects) for step in steps), ()]
-        labels = [self._before(after[0]).first(demo.states[0], objects, atoms, about=f"{about} 0")]
+        telling = [replace(self, vlm=Telling(self.vlm, demo.name, upcoming)) for upcoming in after]
+        labels = [telling[0].first(demo.states[0], objects, atoms, about=f"{about} 0")]
         for step in steps:
-            step, asking = replace(step, previous=labels[-1]), self._before(after[step.t])
+            step, asking = replace(step, previous=labels[-1]), telling[step.t]
             check = self.settings.double_check
             labels.append(asking.next(step, objects, atoms, double_check=check, about=f"{about} {step.t}"))
         return tuple(labels)
-
-    def _before(self, upcoming: tuple[View, ...]) -> Labeller:
-        """This labeller, telling the model what it will be shown afterwards."""
-        return replace(self, vlm=_Foreseeing(self.vlm, upcoming))
 
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         """Labels of a state without history (method 3.3); ``atoms`` in any order."""
@@ -143,16 +119,11 @@ class Labeller:
 
     def _together(self, labelled: Callable[[Sequence[Atom]], StateLabels], atoms: Sequence[Atom]) -> list[StateLabels]:
         """The labels of all batches, asked for at the same time."""
-        return list(self.together.map(labelled, self._batches(atoms)))
+        return list(self.together.map(labelled, in_batches(atoms, self.settings.max_atoms_per_query)))
 
-    def _asker(self, purpose: Purpose, question: Question, about: str) -> Asker[Label]:
+    def _asker(self, purpose: Purpose, question: MakeQuestion, about: str) -> Asker[Label]:
         form = LabelFormat(self.settings.structured)
         return Asker(self.vlm, self.settings, form, self.together, purpose, question, about)
-
-    def _batches(self, atoms: Sequence[Atom]) -> list[list[Atom]]:
-        ordered = sorted(atoms, key=atom_text)
-        size = self.settings.max_atoms_per_query or max(1, len(ordered))
-        return [ordered[i : i + size] for i in range(0, len(ordered), size)]
 
     def _before_and_after(self, step: StepToLabel, objects: Sequence[Object]) -> tuple[View, ...]:
         full = (

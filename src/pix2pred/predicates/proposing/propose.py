@@ -206,6 +206,7 @@ def proposal_request(
         budget,
         attempt=attempt,
         about=demo.name,
+        demo=demo.name,
         review=lambda answer: review(read_proposal(demo, answer, settings)),
     )
 

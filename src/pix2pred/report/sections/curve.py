@@ -12,7 +12,7 @@ LEFT, RIGHT, TOP, BOTTOM = 64.0, 150.0, 18.0, 40.0
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class CurvePoint:
     """A set of predicates and its J; ``bound`` when J is at least that."""
 
     x: float
@@ -26,8 +26,8 @@ class Point:
 class Curve:
     """The steps taken, the runners-up of each, grid lines as (y, text), and the line's path."""
 
-    steps: tuple[Point, ...]
-    others: tuple[Point, ...]
+    steps: tuple[CurvePoint, ...]
+    others: tuple[CurvePoint, ...]
     grid: tuple[tuple[float, str], ...]
     path: str
     threshold: float | None
@@ -51,11 +51,11 @@ def selection_curve(steps: Sequence[Mapping[str, Any]], threshold: float | None)
         return round(LEFT + i * (WIDTH - LEFT - RIGHT) / max(1, len(steps) - 1), 1)
 
     points = [
-        Point(x(i), y(j), f"J {j:,.0f}", s["added"] or ("start, with pinned predicates" if i else "start"))
+        CurvePoint(x(i), y(j), f"J {j:,.0f}", s["added"] or ("start, with pinned predicates" if i else "start"))
         for i, (s, j) in enumerate(zip(steps, js, strict=True))
     ]
     dots = [
-        Point(x(i), y(float(r["J"])), j_text(r), str(r["predicate"]), bool(r["lower_bound"]))
+        CurvePoint(x(i), y(float(r["J"])), j_text(r), str(r["predicate"]), bool(r["lower_bound"]))
         for i, s in enumerate(steps)
         for r in s["runners_up"]
     ]

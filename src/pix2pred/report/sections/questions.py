@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.report.contents import Contents
-from pix2pred.vlm import AnswerStore, VLMError
+from pix2pred.vlm import AnswerStore, Purpose, VLMError
 from pix2pred.vlm.answers.inspection import StoredEntry, read_stored
 
 MOST = 40
@@ -17,7 +17,7 @@ LONGEST = 20_000
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class ShownQuestion:
     """A prompt, its answer, what it was for, and where: ``demo, state``."""
 
     key: str
@@ -31,7 +31,7 @@ class Question:
 class Questions:
     """The questions shown, how many there are in all, and the folder that holds them."""
 
-    shown: tuple[Question, ...]
+    shown: tuple[ShownQuestion, ...]
     total: int
     folder: str
 
@@ -60,7 +60,7 @@ Place = tuple[int, int, str]
 """Number of the demonstration, of the state, and both in words."""
 
 
-def _of_store(folder: Path, model: str, places: dict[str, Place]) -> list[tuple[tuple[int, int, str], Question]]:
+def _of_store(folder: Path, model: str, places: dict[str, Place]) -> list[tuple[tuple[int, int, str], ShownQuestion]]:
     store = AnswerStore(folder)
     found = []
     for key in store.all_keys():
@@ -70,7 +70,7 @@ def _of_store(folder: Path, model: str, places: dict[str, Place]) -> list[tuple[
             continue
         seen = [places[d] for p in entry.pictures if (d := _digest(p)) in places]
         if entry.model == model and seen:
-            demo, state, about = max(seen) if entry.purpose != "propose" else min(seen)
+            demo, state, about = max(seen) if entry.purpose != Purpose.PROPOSE else min(seen)
             found.append(((demo, state, key), _question(entry, about)))
     return found
 
@@ -79,8 +79,8 @@ def _digest(picture: dict[str, object]) -> str:
     return str(picture.get("pixels", ""))
 
 
-def _question(entry: StoredEntry, about: str) -> Question:
-    return Question(entry.key, entry.purpose, about, _cut("\n".join(entry.texts)), _cut(entry.answer.text))
+def _question(entry: StoredEntry, about: str) -> ShownQuestion:
+    return ShownQuestion(entry.key, entry.purpose, about, _cut("\n".join(entry.texts)), _cut(entry.answer.text))
 
 
 def _cut(text: str) -> str:

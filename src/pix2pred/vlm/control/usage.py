@@ -113,6 +113,6 @@ class CountingVLM:
 
     def _counts(self, request: Request) -> list[Count]:
         counts = [self.usage.purposes.setdefault(request.purpose, Count())]
-        if demo := request.about.partition(",")[0]:
-            counts.append(self.usage.demos.setdefault(demo, Count()))
+        if request.demo:
+            counts.append(self.usage.demos.setdefault(request.demo, Count()))
         return counts

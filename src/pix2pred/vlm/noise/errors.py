@@ -18,7 +18,7 @@ _ACTION = re.compile(r"^Executed skill: \w+\[(.*)\]$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class WantedLabel:
     """A label to be given: of which word and objects, in which question, about which picture of which state."""
 
     word: str
@@ -45,7 +45,7 @@ class Errors(Protocol):
         """A question comes in; errors may depend on what it tells about the episode."""
         ...
 
-    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+    def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         """What is said in place of ``value``; None stands for unknown."""
         ...
 
@@ -73,7 +73,7 @@ class _Stateless:
 class PerQuestion(_Stateless):
     """Every answer errs for itself: asking again, in other words, may give another one."""
 
-    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+    def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         wrong = draw(self.seed, asked.question, asked.atom) < self.rate
         return value != wrong
 
@@ -82,7 +82,7 @@ class PerQuestion(_Stateless):
 class PerPicture(_Stateless):
     """An atom is misread in a picture however often it is asked about there, and maybe not in the next picture."""
 
-    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+    def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         wrong = draw(self.seed, asked.picture, asked.atom) < self.rate
         return value != wrong
 
@@ -91,7 +91,7 @@ class PerPicture(_Stateless):
 class Hidden(_Stateless):
     """Unknown in place of a value, whenever an atom is asked about in one picture."""
 
-    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+    def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         return None if draw(self.seed, asked.picture, asked.atom) < self.rate else value
 
 
@@ -106,7 +106,7 @@ class Systematic(_Stateless):
     def name(self) -> str:
         return f"Systematic:{self.rate}:{self.seed}:{self.word}:{self.kind}"
 
-    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+    def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         concerned = asked.word == self.word and any(n.startswith(self.kind) for n in asked.names)
         return value != (concerned and draw(self.seed, asked.atom) < self.rate)
 
@@ -130,7 +130,7 @@ class UntilTouched:
         if match is not None:
             self._touched[state] = frozenset(part.partition(":")[0].strip() for part in match[1].split(","))
 
-    def spoilt(self, asked: Asked, value: bool) -> bool | None:
+    def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         touches = sum(not names.isdisjoint(asked.names) for t, names in self._touched.items() if t <= asked.state)
         return value != (draw(self.seed, asked.atom, touches) < self.rate)
 
@@ -157,7 +157,7 @@ class ErringVLM:
 
         def value(match: re.Match[str]) -> str:
             names = tuple(n.strip() for n in match[3].split(","))
-            asked = Asked(match[2], names, question, picture, state)
+            asked = WantedLabel(match[2], names, question, picture, state)
             said = self.errors.spoilt(asked, match[4] == "True")
             return f"{match[1]}{match[2]}({match[3]}): {words[said]}"
 

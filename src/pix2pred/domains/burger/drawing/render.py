@@ -17,7 +17,7 @@ import PIL.ImageFilter
 from pix2pred.domains.burger.drawing.canvas import UNITS
 from pix2pred.domains.burger.drawing.floor import SIDE, floor
 from pix2pred.domains.burger.drawing.sprites import Sprite, sprite
-from pix2pred.domains.burger.world import Heading, World
+from pix2pred.domains.burger.world import BurgerWorld, Heading
 from pix2pred.structs import Box, Image, Picture, Pixels
 
 CAMERA = "top"
@@ -48,19 +48,19 @@ def _clip(value: int) -> float:
     return float(max(0, min(SIDE, value)))
 
 
-def render(world: World) -> Picture:
+def render(world: BurgerWorld) -> Picture:
     """The picture of ``world``, 640x640, with the boxes of all its objects."""
     placed = _layout(world)
     boxes = {p.name: p.box() for p in sorted(placed, key=lambda p: p.name)}
     return Picture(CAMERA, Image.from_pixels(_draw(world, placed)), boxes)
 
 
-def render_pixels(world: World) -> Pixels:
+def render_pixels(world: BurgerWorld) -> Pixels:
     """The pixels of the picture alone."""
     return _draw(world, _layout(world))
 
 
-def _draw(world: World, placed: list[_Placed]) -> Pixels:
+def _draw(world: BurgerWorld, placed: list[_Placed]) -> Pixels:
     image = floor(world.look).copy()
     for p in placed:
         if p.shadow:
@@ -69,7 +69,7 @@ def _draw(world: World, placed: list[_Placed]) -> Pixels:
     return np.asarray(image, dtype=np.uint8)
 
 
-def _layout(world: World) -> list[_Placed]:
+def _layout(world: BurgerWorld) -> list[_Placed]:
     """Everything in drawing order: row by row from the back, each stack upwards, the held item last."""
     body = sprite("robot", world.robot, world.look, heading=world.heading)
     entries = [((world.cell.row, 0), _Placed(world.robot, body, world.cell.col * UNITS, world.cell.row * UNITS, True))]
@@ -84,12 +84,12 @@ def _layout(world: World) -> list[_Placed]:
     return ordered if world.held is None else [*ordered, _in_gripper(world, world.held)]
 
 
-def _rise(world: World, row: int, z: int) -> int:
+def _rise(world: BurgerWorld, row: int, z: int) -> int:
     """Pixels that level ``z`` lies higher than the floor; levels beyond the upper edge of the picture pile up there."""
     return min(z * LEVEL, row * UNITS + UNITS - 52)
 
 
-def _in_gripper(world: World, held: str) -> _Placed:
+def _in_gripper(world: BurgerWorld, held: str) -> _Placed:
     thing = world.thing(held)
     drawing = sprite(thing.type, thing.name, world.look, prepared=thing.prepared, scale=HELD_SCALE)
     left, top, right, bottom = drawing.box

@@ -26,7 +26,7 @@ from pix2pred.domains.coffee.simulation.geometry import (
     Point,
     turned,
 )
-from pix2pred.domains.coffee.world import Cup, World
+from pix2pred.domains.coffee.world import CoffeeWorld, Cup
 
 MAX_MOVE, MAX_TURN = 0.05, math.pi / 8
 """Limits of one step, in metres and radians."""
@@ -39,7 +39,7 @@ POUR_RATE, FILL_RATE = 0.15, 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Primitive:
+class Motion:
     """What the robot is told for one step: where to move towards, and how wide to open its fingers.
 
     ``tilt`` and ``wrist`` are the angles to turn towards; a closed hand over the jug turns the jug with its wrist.
@@ -51,19 +51,19 @@ class Primitive:
     fingers: float = OPEN
 
 
-def pressing(world: World) -> bool:
+def pressing(world: CoffeeWorld) -> bool:
     """Whether the gripper presses the machine's button."""
     return world.robot.at.distance(BUTTON) < 0.015 and not world.jug.held
 
 
-def twisting(world: World) -> bool:
+def twisting(world: CoffeeWorld) -> bool:
     """Whether the gripper has closed on the rim of the standing jug from above."""
     top = world.jug.at + Point(0, 0, JUG_HEIGHT)
     robot = world.robot
     return not world.jug.held and robot.tilt > 1.5 and robot.fingers <= CLOSED and robot.at.distance(top) < 0.02
 
 
-def cup_below(world: World) -> Cup | None:
+def cup_below(world: CoffeeWorld) -> Cup | None:
     """The cup whose mouth the jug's spout is over, if any."""
     spout = world.spout
     for cup in world.cups:
@@ -72,13 +72,13 @@ def cup_below(world: World) -> Cup | None:
     return None
 
 
-def pouring_over(world: World) -> Cup | None:
+def pouring_over(world: CoffeeWorld) -> Cup | None:
     """The cup that the leaning jug is over, whether or not coffee still flows."""
     leans = world.jug.held and world.robot.tilt >= POUR_TILT - 1e-6
     return cup_below(world) if leans else None
 
 
-def advance(world: World, primitive: Primitive) -> World:
+def advance(world: CoffeeWorld, primitive: Motion) -> CoffeeWorld:
     """The world one step later."""
     was_twisting = twisting(world)
     moved = _moved(world, primitive)
@@ -94,7 +94,7 @@ def wrapped(angle: float) -> float:
     return math.pi - (math.pi - angle) % (2 * math.pi)
 
 
-def _moved(world: World, primitive: Primitive) -> World:
+def _moved(world: CoffeeWorld, primitive: Motion) -> CoffeeWorld:
     robot = world.robot
     goal = Point(*(min(max(v, lo), hi) for v, lo, hi in zip(primitive.to, LOW, HIGH, strict=True)))
     distance = robot.at.distance(goal)
@@ -110,14 +110,14 @@ def _limited(angle: float) -> float:
     return min(max(angle, -MAX_TURN), MAX_TURN)
 
 
-def _carried(world: World) -> World:
+def _carried(world: CoffeeWorld) -> CoffeeWorld:
     """A held jug hangs in the gripper; its place is where its base would stand if it were upright."""
     if not world.jug.held:
         return world
     return replace(world, jug=replace(world.jug, at=world.robot.at - GRIP, rot=0.0))
 
 
-def _grasp_or_release(before: World, now: World, fingers: float) -> World:
+def _grasp_or_release(before: CoffeeWorld, now: CoffeeWorld, fingers: float) -> CoffeeWorld:
     closing = fingers <= CLOSED < before.robot.fingers
     opening = fingers > CLOSED >= before.robot.fingers
     now = replace(now, robot=replace(now.robot, fingers=fingers))
@@ -131,7 +131,7 @@ def _grasp_or_release(before: World, now: World, fingers: float) -> World:
     return now
 
 
-def _flow(world: World) -> World:
+def _flow(world: CoffeeWorld) -> CoffeeWorld:
     """The machine fills, the jug pours."""
     if pressing(world):
         world = replace(world, machine_on=True)

@@ -23,7 +23,7 @@ from pix2pred.domains.coffee.simulation.geometry import (
 )
 from pix2pred.domains.coffee.simulation.motion import pouring_over
 from pix2pred.domains.coffee.simulation.scene_model import FULL_HEIGHT, WALL_THICKNESS, build_model
-from pix2pred.domains.coffee.world import World
+from pix2pred.domains.coffee.world import CoffeeWorld
 from pix2pred.domains.physics import Camera, mujoco_library
 from pix2pred.structs import Picture, Pixels
 
@@ -33,7 +33,7 @@ _AWAY = (0.0, -5.0, -5.0)
 _ON, _OFF = (0.25, 1.0, 0.3, 1.0), (0.3, 0.06, 0.06, 1.0)
 
 
-class Stage:
+class PosedModel:
     """The model, posed as a world. Use it in one thread only."""
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class Stage:
         self._geoms = {name: i for i, name in enumerate(names)}
         self._cup_meshes = [self.model.mesh(f"cup{i}").id for i in range(len(CUP_CAPACITIES))]
 
-    def pose(self, world: World) -> None:
+    def pose(self, world: CoffeeWorld) -> None:
         """Put everything where ``world`` says."""
         self._look(world.look)
         robot, at = world.robot, world.robot.at
@@ -73,7 +73,7 @@ class Stage:
         self._cups(world)
         self._mujoco.mj_forward(self.model, self.data)
 
-    def objects(self, world: World) -> Mapping[str, Sequence[int]]:
+    def objects(self, world: CoffeeWorld) -> Mapping[str, Sequence[int]]:
         """The geoms of every object of ``world``."""
         slots = {cup.name: f"cup{i}" for i, cup in enumerate(world.cups)}
         parts = {name: slots.get(name, name) for name in world.types()}
@@ -82,7 +82,7 @@ class Stage:
             for name, part in parts.items()
         }
 
-    def _cups(self, world: World) -> None:
+    def _cups(self, world: CoffeeWorld) -> None:
         for i in range(MOST_CUPS):
             if i >= len(world.cups):
                 self._move(f"cup{i}", Point(*_AWAY))
@@ -111,7 +111,7 @@ class Stage:
         self.model.geom_size[crema][:2] = (radius, 0.001)
         self.model.geom_pos[crema] = (0, 0, bottom + height + 0.0005)
 
-    def _stream(self, world: World) -> None:
+    def _stream(self, world: CoffeeWorld) -> None:
         """The thread of coffee between a leaning jug and the cup under it."""
         cup = pouring_over(world)
         if cup is None or world.jug.level <= 0:
@@ -155,18 +155,18 @@ def _times(a: Sequence[float], b: Sequence[float]) -> tuple[float, ...]:
 
 
 @cache
-def _stage() -> Stage:
-    return Stage()
+def _stage() -> PosedModel:
+    return PosedModel()
 
 
-def render(world: World) -> Picture:
+def render(world: CoffeeWorld) -> Picture:
     """The picture of ``world``, 480x480, with the boxes of all objects that are seen."""
     stage = _stage()
     stage.pose(world)
     return stage.camera.picture(stage.data, stage.objects(world))
 
 
-def render_pixels(world: World) -> Pixels:
+def render_pixels(world: CoffeeWorld) -> Pixels:
     """The pixels of the picture alone."""
     stage = _stage()
     stage.pose(world)

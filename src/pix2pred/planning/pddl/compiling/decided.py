@@ -31,7 +31,7 @@ class GroundRule:
 
 
 @dataclass(frozen=True, slots=True)
-class Changes:
+class DecidedChanges:
     """Names of the predicates that actions change, of those that actions make false, and of the derived ones."""
 
     changed: Collection[str]
@@ -46,7 +46,7 @@ class Decider:
     """
 
     def __init__(
-        self, numbers: Numbers, reached: Collection[Fact], initial: Collection[Fact], changes: Changes
+        self, numbers: Numbers, reached: Collection[Fact], initial: Collection[Fact], changes: DecidedChanges
     ) -> None:
         self._numbers = numbers
         self._reached = reached

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 from pix2pred.planning.grounding import DEFAULT_BUDGET
 from pix2pred.planning.instances import Instances
-from pix2pred.planning.pddl.compiling.decided import Changes, Decider, GroundRule
+from pix2pred.planning.pddl.compiling.decided import DecidedChanges, Decider, GroundRule
 from pix2pred.planning.pddl.compiling.layout import GroundEffect, GroundOperation, operation, task_of
-from pix2pred.planning.pddl.compiling.schemas import NOTHING, Numbers, Split, split
-from pix2pred.planning.pddl.formulas import TRUE, Action, DerivedPredicate, Effect, FunctionValue, Literal
+from pix2pred.planning.pddl.compiling.schemas import NOTHING, Numbers, SplitSchema, split
+from pix2pred.planning.pddl.formulas import TRUE, DerivedPredicate, Effect, FunctionValue, Literal, PddlAction
 from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.planning.pddl.steps import PddlStep
 from pix2pred.planning.strips import Strips
@@ -48,7 +48,7 @@ class _EffectSplit:
     """An effect with variables or a condition: its place among all schemas, its schema, and itself."""
 
     number: int
-    split: Split
+    split: SplitSchema
     effect: Effect
 
 
@@ -57,8 +57,8 @@ class _ActionSplit:
     """One alternative of an action: its place among all schemas, its schema, and its effects of both kinds."""
 
     number: int
-    split: Split
-    action: Action
+    split: SplitSchema
+    action: PddlAction
     plain: tuple[Literal, ...]
     special: tuple[_EffectSplit, ...]
 
@@ -67,11 +67,11 @@ class _PddlGrounder:
     def __init__(self, domain: PddlDomain, problem: PddlProblem) -> None:
         self._problem = problem
         self._numbers = Numbers({o.name: problem.kinds[o.name] for o in problem.objects}, domain.types)
-        self._splits: list[Split] = []
+        self._splits: list[SplitSchema] = []
         self._actions = [made for action in domain.actions for made in self._action_splits(action)]
         self._rules = [made for rule in domain.derived for made in self._rule_splits(rule)]
         literals = [e.literal for action in domain.actions for e in action.effects]
-        self._changes = Changes(
+        self._changes = DecidedChanges(
             changed={a.predicate for a in literals},
             deleted={a.predicate for a in literals if not a.positive},
             derived={rule.head for rule in domain.derived},
@@ -108,11 +108,11 @@ class _PddlGrounder:
         )
         return GroundPddl(strips, tuple(step for step, _ in operations), bool(goal))
 
-    def _entered(self, made: Split) -> int:
+    def _entered(self, made: SplitSchema) -> int:
         self._splits.append(made)
         return len(self._splits) - 1
 
-    def _action_splits(self, action: Action) -> Iterator[_ActionSplit]:
+    def _action_splits(self, action: PddlAction) -> Iterator[_ActionSplit]:
         plain = tuple(e.literal for e in action.effects if not e.variables and e.condition == TRUE)
         for made in split(NOTHING, action.parameters, action.precondition, plain, self._numbers):
             number = self._entered(made)
@@ -170,7 +170,7 @@ class _PddlGrounder:
                     found[binding[: len(made.split.names)]].append(effect)
         return found
 
-    def _cost(self, action: Action, env: Mapping[str, int]) -> int | None:
+    def _cost(self, action: PddlAction, env: Mapping[str, int]) -> int | None:
         """What an instance costs; ``None`` when a function has no value for it: it can never be executed."""
         total = 0
         for part in action.costs:

@@ -24,7 +24,7 @@ MAX_ALTERNATIVES = 16
 
 
 @dataclass(frozen=True, slots=True)
-class Split:
+class SplitSchema:
     """A schema with the names of its parameters, and the conditions that matching with facts does not decide."""
 
     schema: Schema
@@ -63,12 +63,12 @@ class Numbers:
         return self._members[name.types]
 
 
-NOTHING = Split(Schema((), (), (), ()), (), ())
+NOTHING = SplitSchema(Schema((), (), (), ()), (), ())
 
 
 def split(
-    base: Split, variables: Sequence[TypedName], condition: Formula, effect: Sequence[Literal], numbers: Numbers
-) -> Iterator[Split]:
+    base: SplitSchema, variables: Sequence[TypedName], condition: Formula, effect: Sequence[Literal], numbers: Numbers
+) -> Iterator[SplitSchema]:
     """Schemas that together cover what ``base`` does, ``variables`` for which ``condition`` holds as well.
 
     There is one for each of a few disjuncts. Their parameters are those of ``base``, ``variables``, variables of
@@ -98,7 +98,7 @@ def split(
             lifted([a for a in effect if a.positive]),
             [tuple(sorted(others)) for others in apart],
         )
-        yield Split(schema, names, tuple(parts))
+        yield SplitSchema(schema, names, tuple(parts))
 
 
 def _alternatives(formula: Formula, path: str) -> list[tuple[tuple[TypedName, ...], list[Formula]]]:

@@ -1,0 +1,25 @@
+"""The random generators of scenes: every scene has one of its own, apart from all others of its domain."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+
+class Split(IntEnum):
+    """The second number of a seed: what the scene is for."""
+
+    DEMONSTRATIONS = 0
+    TASKS = 1
+    READER = 2
+    DISTURBANCES = 3
+    SIZED = 4
+
+
+def scene_generator(seed: int, split: int, *numbers: int) -> np.random.Generator:
+    """The generator of one scene, seeded by ``(seed, split, *numbers)``.
+
+    ``numbers`` are mostly those of the family and of the demonstration or task.
+    """
+    return np.random.default_rng(np.random.SeedSequence((seed, int(split), *numbers)))
