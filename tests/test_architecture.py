@@ -37,13 +37,15 @@ MAY_IMPORT |= {
     "runs": WITH_SETTINGS | {"pipeline"},
     "report": WITH_SETTINGS | {"pipeline", "runs"},
     "review": WITH_SETTINGS | {"pipeline", "runs", "report"},
+    "planners": {"structs", "planning"},
     "gym_envs": {"structs", "registry"},
     "approaches": WITH_SETTINGS | {"pipeline"},
     "benchmark": ABOVE_THE_PIPELINE | {"runs"},
-    "registry": LOWER | {"pipeline", "approaches", "domains"},
+    "registry": LOWER | {"pipeline", "approaches", "domains", "planners"},
     "serving": WITH_SETTINGS | {"runs"},
     "api": WITH_SETTINGS | {"pipeline", "runs", "report", "registry"},
-    "cli": ABOVE_THE_PIPELINE | {"runs", "api", "registry", "report", "review", "serving", "benchmark", "recordings"},
+    "cli": ABOVE_THE_PIPELINE
+    | {"runs", "api", "registry", "planners", "report", "review", "serving", "benchmark", "recordings"},
 }
 MAY_IMPORT = {room: allowed | {"system"} for room, allowed in MAY_IMPORT.items()}
 MOST_FILES = 14

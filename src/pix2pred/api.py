@@ -169,7 +169,8 @@ def learn(
 
     ``vlm`` is a name as for ``pix2pred learn --vlm``, or any object that answers requests. ``answers`` is a folder that
     keeps every answer, so that nothing is asked twice; without one, answers are forgotten. ``settings`` are by default
-    those of the project. Raises what ``pipeline.learn`` raises, and ``RegistryError`` for a name nobody knows.
+    those of the project. Raises what ``pipeline.learn`` raises, and ``UnknownNameError`` or ``ModelNameError`` for a
+    name nobody knows.
     """
     project = data if isinstance(data, Project) else read_data(data)
     chosen = settings or resolve(of_kind(project.simulator), of_project(project.sections))

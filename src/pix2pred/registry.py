@@ -6,35 +6,16 @@ each. A command takes one ``Registry`` and asks it for everything, so that tests
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
-from importlib import import_module
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pix2pred.images import ShownPictures
-from pix2pred.planning import (
-    FF,
-    AStar,
-    EasyFF,
-    ExternalPlanner,
-    GreedyBestFirst,
-    Heuristic,
-    LazyGreedy,
-    Planner,
-    Polished,
-    Portfolio,
-    Search,
-    Strips,
-    TaskPlanner,
-    landmark_cut,
-)
-from pix2pred.planning.external.planner import ENGINES, TIME_LIMIT
+from pix2pred.planners import Planners
 from pix2pred.structs import Atom, FromVLM
 from pix2pred.structs.environment import Domain, Environment, KnowsTruth
 from pix2pred.structs.formats.names import UnknownNameError
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.installed import load, named
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import REPLAY
 from pix2pred.vlm.control.estimate import EstimatingVLM
@@ -88,88 +69,34 @@ _KINDS: dict[str, Kind] = {
 MODEL_FORMS = ", ".join(kind.form for kind in _KINDS.values())
 """How the models that come along are written, for help texts."""
 
-HEURISTICS: dict[str, Callable[[Strips], Heuristic]] = {
-    "lmcut": landmark_cut,
-    "ff": FF,
-    "ff-easy": EasyFF,
-}
-"""Classes made from a ground task; group ``pix2pred.heuristics``."""
-
-SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
-    "astar": AStar,
-    "gbfs": GreedyBestFirst,
-    "lazy": LazyGreedy,
-}
-"""Every search goes with every heuristic: a planner is called SEARCH-HEURISTIC."""
-
-PORTFOLIOS: dict[str, Callable[[], Search]] = {
-    "portfolio": lambda: Portfolio((AStar(max_nodes=5_000), GreedyBestFirst())),
-    "quick": lambda: Polished(
-        Portfolio((GreedyBestFirst(max_nodes=2_000), LazyGreedy(EasyFF, max_nodes=200_000), GreedyBestFirst()))
-    ),
-}
-"""``portfolio``, the default, plans optimally where that is cheap, else greedily; ``quick`` is for large tasks.
-
-Searches of other packages, callables from a ground task to a ``SearchResult``, come from the group
-``pix2pred.searches``.
-"""
-
-
-class RegistryError(Pix2predError, ValueError):
-    """A name that cannot be turned into what is asked for; the message says what would work."""
-
-
 NO_LIMITS = Spending()
 _DEFAULT_FLOW = FlowSettings()
 
 
-class Registry:
+class Registry(Planners):
     """Names to objects. Survives pickling, so that workers can look names up themselves."""
 
     def domain_names(self) -> tuple[str, ...]:
         """All domains: the bundled ones and those of other packages."""
-        return tuple(sorted(_named("domains", _DOMAINS)))
+        return tuple(sorted(named("domains", _DOMAINS)))
 
     def domain(self, name: str) -> Domain:
         """The domain called ``name``. Raises ``UnknownNameError``."""
-        made: Domain = _find("domain", name, _named("domains", _DOMAINS))()
+        made: Domain = _find("domain", name, named("domains", _DOMAINS))()
         return made
 
     def approach(self, name: str) -> Approach:
         """The approach called ``name``. Raises ``UnknownNameError``."""
-        made: Approach = _find("approach", name, _named("approaches", _APPROACHES))
+        made: Approach = _find("approach", name, named("approaches", _APPROACHES))
         return made
-
-    def planner(self, name: str, *, distinct: bool = True, time_limit: float = TIME_LIMIT) -> TaskPlanner:
-        """The planner called ``name``: a search of ours or an engine of others.
-
-        ``distinct`` parameters stand for distinct objects; ``time_limit`` in seconds binds external engines alone.
-        Raises ``UnknownNameError``, or ``ExternalPlannerError`` for an engine that is not installed.
-        """
-        if name in ENGINES:
-            return ExternalPlanner(name, distinct, time_limit)
-        if name not in self.planner_names():
-            raise UnknownNameError("planner", name, (*self.planner_names(), *ENGINES), listed=True)
-        if name in PORTFOLIOS:
-            return Planner(PORTFOLIOS[name](), distinct=distinct)
-        if name in (others := _named("searches", {})):
-            return Planner(_load(others[name]), distinct=distinct)
-        search, _, heuristic = name.partition("-")
-        made = HEURISTICS[heuristic] if heuristic in HEURISTICS else _load(_named("heuristics", {})[heuristic])
-        return Planner(SEARCHES[search](made), distinct=distinct)
-
-    def planner_names(self) -> tuple[str, ...]:
-        """The names of all planners that are no engines of others."""
-        heuristics = (*HEURISTICS, *_named("heuristics", {}))
-        return (*(f"{search}-{h}" for search in SEARCHES for h in heuristics), *PORTFOLIOS, *_named("searches", {}))
 
     def providers(self) -> tuple[Provider, ...]:
         """All providers of hosted models."""
-        return (*_PROVIDERS, *(_load(target)() for target in _named("providers", {}).values()))
+        return (*_PROVIDERS, *(load(target)() for target in named("providers", {}).values()))
 
     def model_spec(self, text: str) -> ModelSpec:
         """The model that ``--vlm`` names. Raises ``ModelNameError`` with the forms there are."""
-        others = {kind: Kind(f"{kind}:...", MadeSpec.by(_load(made))) for kind, made in _named("models", {}).items()}
+        others = {kind: Kind(f"{kind}:...", MadeSpec.by(load(made))) for kind, made in named("models", {}).items()}
         return read_model(text, others | {p.name: kind_of(p) for p in self.providers()} | _KINDS)
 
     def vlm(
@@ -237,20 +164,10 @@ def check_family(domain: Domain, family: str) -> None:
         raise UnknownNameError("family", family, domain.families, listed=True)
 
 
-def _named(group: str, ours: dict[str, str]) -> dict[str, str]:
-    """The names of a table with those that other packages add to it; ours win."""
-    return {e.name: e.value for e in entry_points(group=f"pix2pred.{group}")} | ours
-
-
 def _find(kind: str, name: str, table: dict[str, str]) -> Any:
     if name not in table:
         raise UnknownNameError(kind, name, table, listed=True)
-    return _load(table[name])
-
-
-def _load(target: str) -> Any:
-    module, _, attribute = target.partition(":")
-    return getattr(import_module(module), attribute)
+    return load(table[name])
 
 
 @cache

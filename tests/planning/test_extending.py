@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pix2pred import registry
+from pix2pred import planners, registry
 from pix2pred.planning import AStar, GreedyBestFirst, Planner
 from pix2pred.structs import PlanStatus
 from planning.random_tasks import random_strips, run, shortest
@@ -49,7 +49,7 @@ def test_a_search_from_outside_finds_what_there_is(seed: int) -> None:
 
 def test_one_line_of_the_registry_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
     heuristic = _example("MissingGoals")
-    monkeypatch.setitem(registry.HEURISTICS, "goals", heuristic)
+    monkeypatch.setitem(planners.HEURISTICS, "goals", heuristic)
     assert registry.load_planner("astar-goals") == Planner(AStar(heuristic))
     assert registry.load_planner("gbfs-goals") == Planner(GreedyBestFirst(heuristic))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -19,6 +19,7 @@ from pix2pred import __version__
 from pix2pred.system.errors import Pix2predError, StoppedError
 
 if TYPE_CHECKING:
+    from pix2pred.planners import Planners
     from pix2pred.registry import Registry
 
 _VERBS = (
@@ -92,7 +93,7 @@ def run(argv: Sequence[str] | None = None, registry: Registry | None = None) -> 
     """Run the command line; gives the exit code. Names are looked up in ``registry``, by default what is installed."""
     try:
         command, bound, others = app.parse_args(argv, exit_on_error=False, print_error=False)
-        passed = {"registry": registry or _installed()} if "registry" in others else {}
+        passed = {name: registry or made() for name, made in _PASSED.items() if name in others}
         result = command(*bound.args, **bound.kwargs, **passed)
     except CycloptsError as error:
         return _complain(_in_options(error), "see 'pix2pred --help'")
@@ -109,10 +110,20 @@ def run(argv: Sequence[str] | None = None, registry: Registry | None = None) -> 
     return result if isinstance(result, int) else 0
 
 
-def _installed() -> Registry:
+def _registry() -> Registry:
     from pix2pred.registry import REGISTRY  # here, so that verbs that need none start faster
 
     return REGISTRY
+
+
+def _planners() -> Planners:
+    from pix2pred.planners import Planners
+
+    return Planners()
+
+
+_PASSED: dict[str, Callable[[], Planners]] = {"registry": _registry, "planners": _planners}
+"""What a verb may take beside its options: everything that has a name, or the planners alone, which load faster."""
 
 
 def _in_options(error: CycloptsError) -> str:

@@ -6,22 +6,22 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+from pix2pred.cli.console import UsageError
 from pix2pred.planning.pddl.syntax import PddlError
-from pix2pred.registry import RegistryError
 
 T = TypeVar("T")
 
 
 def parsed(path: Path, read: Callable[[str], T]) -> T:
-    """What ``read`` makes of the text of ``path``. Raises ``RegistryError``."""
+    """What ``read`` makes of the text of ``path``. Raises ``UsageError``."""
     try:
         return read(text_of(path))
     except PddlError as error:
-        raise RegistryError(f"{path}: {error}") from error
+        raise UsageError(f"{path}: {error}") from error
 
 
 def text_of(path: Path) -> str:
-    """The text of a file in UTF-8. Comments may be in any encoding. Raises ``RegistryError``."""
+    """The text of a file in UTF-8. Comments may be in any encoding. Raises ``UsageError``."""
     data = path.read_bytes()
     try:
         return data.decode("utf-8-sig")
@@ -30,7 +30,7 @@ def text_of(path: Path) -> str:
         for number, line in enumerate(lines, start=1):
             if not _is_text(line):
                 where = f"{path}: line {number}"
-                raise RegistryError(f"{where}: this is no UTF-8 text; save the file as UTF-8") from error
+                raise UsageError(f"{where}: this is no UTF-8 text; save the file as UTF-8") from error
         return b"\n".join(lines).decode("utf-8-sig")
 
 

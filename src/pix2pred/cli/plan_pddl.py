@@ -11,13 +11,13 @@ from pix2pred.cli.console import out as console
 from pix2pred.cli.console import print_json
 from pix2pred.cli.pddl_files import parsed, text_of
 from pix2pred.cli.ranges import between, output_file
+from pix2pred.planners import Planners
 from pix2pred.planning import ExternalPlanner, Planner, TaskPlanner
 from pix2pred.planning.external.pddl import Sources, solve_externally
 from pix2pred.planning.external.planner import ENGINES, IN_EXTRA, TIME_LIMIT
 from pix2pred.planning.pddl.check import check_plan
 from pix2pred.planning.pddl.plans import PddlPlan, solve_pddl
 from pix2pred.planning.pddl.read import PddlDomain, PddlProblem, read_domain, read_problem
-from pix2pred.registry import Registry
 from pix2pred.structs import PlanStatus
 from pix2pred.system.files import write_whole
 
@@ -34,7 +34,7 @@ def plan_pddl(
     /,
     *,
     planner: Annotated[
-        str, Parameter(help=f"{', '.join(Registry().planner_names())}; with the extra 'planners' {EXTERNAL}.")
+        str, Parameter(help=f"{', '.join(Planners().planner_names())}; with the extra 'planners' {EXTERNAL}.")
     ] = "quick",
     time_limit: Annotated[
         float,
@@ -46,7 +46,7 @@ def plan_pddl(
         Path | None, Parameter(help="File for the plan, one (action arg ...) a line.", validator=output_file)
     ] = None,
     json: Annotated[bool, Parameter(help="Print one JSON object on the last line.")] = False,
-    registry: Annotated[Registry, Parameter(parse=False)],
+    planners: Annotated[Planners, Parameter(parse=False)],
 ) -> int:
     """Plan for a PDDL problem, check the plan with independent code, and write it.
 
@@ -59,7 +59,7 @@ def plan_pddl(
     """
     read: PddlDomain = parsed(domain, read_domain)
     task = parsed(problem, lambda text: read_problem(text, read))
-    made = registry.planner(planner, distinct=read.distinct, time_limit=time_limit)
+    made = planners.planner(planner, distinct=read.distinct, time_limit=time_limit)
     found = _planned(made, read, task, Sources(text_of(domain), text_of(problem)))
     checked = check_plan(read, task, found.steps)
     lines = [str(step) for step in found.steps]
