@@ -12,7 +12,8 @@ import numpy as np
 import PIL.Image
 
 from pix2pred.registry import Registry
-from pix2pred.vlm import VLM, Answer, AnswerStore, Purpose, Request, StoredVLM, StoreMode
+from pix2pred.vlm import VLM, Answer, Purpose, Request
+from pix2pred.vlm.model_spec import MadeSpec, ModelSpec
 from pix2pred.vlm.offline.prompt_format import asked_atoms, current_views
 
 DOMAIN = """\
@@ -129,16 +130,8 @@ class OneModel(Registry):
 
     model: VLM
 
-    def stored(
-        self,
-        spec: str,
-        domain: str | None,
-        store: AnswerStore,
-        mode: StoreMode = StoreMode.RESUME,
-        *rest: object,
-        **more: object,
-    ) -> StoredVLM:
-        return StoredVLM(self.model, store, mode)
+    def model_spec(self, text: str) -> ModelSpec:
+        return MadeSpec(lambda _: self.model, text)
 
 
 def main() -> None:
