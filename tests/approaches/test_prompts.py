@@ -6,6 +6,7 @@ After an intended change run ``PIX2PRED_SNAPSHOTS=write pytest tests/approaches/
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -60,6 +61,21 @@ def test_filled_plan_prompts(few_shot: bool) -> None:
     task = Task("t", (*scripted.OBJECTS, Object("c2", CUP)), scripted.state(9, cameras=("a", "b")), (HOLDING(R, P1),))
     agent = ViLa("vila", shows_demos=few_shot).train(training)
     check("filled_vila_fewshot" if few_shot else "filled_vila_pure", shown(agent.request(task)))
+
+
+def test_what_skills_and_goals_mean_is_said_outside_the_published_protocol() -> None:
+    pour = replace(PUSH, description="Moves the cup until it is in reach.")
+    holding = replace(HOLDING, description="The robot has the plate in its hand.")
+    vocabulary = replace(VOCABULARY, skills=(pour,))
+    texts = []
+    for protocol in ("published", "frugal"):
+        settings = Settings.model_validate({"labels": {"protocol": protocol}})
+        problem = LearningProblem(vocabulary, (demo(actions=1),), ScriptedVLM([]), settings)
+        agent = ViLa("vila", shows_demos=False).train(Training(problem, load_planner("portfolio"), shown_demos=0))
+        texts.append(agent.request(Task("t", scripted.OBJECTS, scripted.state(9), (holding(R, P1),))).text)
+    published, told = texts
+    assert "in reach" not in published and "in its hand" not in published
+    assert "]: Moves the cup until it is in reach." in told and ": The robot has the plate in its hand." in told
 
 
 def test_filled_code_prompt() -> None:

@@ -9,6 +9,8 @@ from typing import Any
 from pix2pred.approaches.approach import Training
 from pix2pred.approaches.parse_plan import NoPlanError, WrittenPlan, parse_plan
 from pix2pred.execution import TruthOf
+from pix2pred.predicates.frugal.definitions import meanings_of
+from pix2pred.predicates.labelling.settings import LabelProtocol
 from pix2pred.predicates.prompt import fill, views
 from pix2pred.structs import Action, Atom, Demo, Episode, ExecutedStep, Failure, Skill, Task, Type
 from pix2pred.structs.environment import Environment, StepStatus
@@ -76,13 +78,14 @@ class ViLaAgent:
         marks, size = proposal.marks, proposal.longest_side
         images = _Images(marks)
         vocabulary = self.training.problem.vocabulary
+        explained = self.training.problem.settings.labels.protocol is LabelProtocol.FRUGAL
         text = fill(
             "vila_pure",
             ROOM,
-            skills="\n".join(skill_line(s) for s in vocabulary.skills),
+            skills="\n".join(skill_line(s, explained=explained) for s in vocabulary.skills),
             types=type_lines(vocabulary.types),
             objects="\n".join(f"{o.prompt_name}: {o.type.name}" for o in sorted(task.objects)),
-            goal=goal_lines(task.goal),
+            goal=goal_lines(task.goal) + (f"\n\nWhat this means:\n{meanings_of(task.goal)}" if explained else ""),
             examples="\nBelow are demonstrations of the same robot on other tasks.\n" if self.shown else "",
         )
         parts: list[Part] = [text]
@@ -111,10 +114,14 @@ class _Images:
         return numbered
 
 
-def skill_line(skill: Skill) -> str:
-    """``Push(robot, box)[angle from -3.14 to 3.14]`` with the numbers' ranges."""
+def skill_line(skill: Skill, *, explained: bool = False) -> str:
+    """``Push(robot, box)[-3.14 to 3.14]`` with the numbers' ranges; ``explained`` with what the skill needs and does.
+
+    The published protocol explains nothing.
+    """
     ranges = ", ".join(f"{low:g} to {high:g}" for low, high in zip(skill.low, skill.high, strict=True))
-    return f"{skill.name}({', '.join(t.name for t in skill.types)})[{ranges}]"
+    line = f"{skill.name}({', '.join(t.name for t in skill.types)})[{ranges}]"
+    return f"{line}: {skill.description}" if explained and skill.description else line
 
 
 def type_lines(types: Sequence[Type]) -> str:

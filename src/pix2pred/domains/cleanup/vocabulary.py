@@ -11,15 +11,43 @@ TABLE = Type("table", parent=IMMOVABLE)
 TRASH_CAN = Type("trash_can", parent=IMMOVABLE)
 TYPES = (ROBOT, MOVABLE, IMMOVABLE, TABLE, TRASH_CAN)
 
-PICK_FROM_TOP = Skill("PickFromTop", (ROBOT, MOVABLE, IMMOVABLE))
-PLACE_INSIDE = Skill("PlaceInside", (ROBOT, MOVABLE, TRASH_CAN))
-PICK_FROM_FLOOR = Skill("PickFromFloor", (ROBOT, MOVABLE))
-WIPE = Skill("WipeAndContinueHoldingEraser", (ROBOT, MOVABLE, TABLE))
-DUMP = Skill("DumpContentsOntoFloor", (ROBOT, TRASH_CAN))
+PICK_FROM_TOP = Skill(
+    "PickFromTop",
+    (ROBOT, MOVABLE, IMMOVABLE),
+    description="The robot, its hand empty, takes the thing that lies on top of the piece of furniture.",
+)
+PLACE_INSIDE = Skill(
+    "PlaceInside",
+    (ROBOT, MOVABLE, TRASH_CAN),
+    description="The robot lets go of the thing it holds over the open container, so that it lies inside.",
+)
+PICK_FROM_FLOOR = Skill(
+    "PickFromFloor", (ROBOT, MOVABLE), description="The robot, its hand empty, takes the thing that lies on the floor."
+)
+WIPE = Skill(
+    "WipeAndContinueHoldingEraser",
+    (ROBOT, MOVABLE, TABLE),
+    description="The robot, holding an eraser, wipes the scribbles off the table and goes on holding the eraser.",
+)
+DUMP = Skill(
+    "DumpContentsOntoFloor",
+    (ROBOT, TRASH_CAN),
+    description="The robot, its hand empty, turns the container over, so that what was inside lies on the floor.",
+)
 SKILLS = (PICK_FROM_TOP, PLACE_INSIDE, PICK_FROM_FLOOR, WIPE, DUMP)
 
-HOLDING = Predicate("Holding", (ROBOT, MOVABLE), FromDomain())
-HAND_EMPTY = Predicate("HandEmpty", (ROBOT,), FromDomain())
-INSIDE_CONTAINER = Predicate("InsideContainer", (MOVABLE, TRASH_CAN), FromVLM("InsideContainer"))
-WIPED = Predicate("WipedOfMarkerScribbles", (TABLE,), FromVLM("WipedOfMarkerScribbles"))
+HOLDING = Predicate("Holding", (ROBOT, MOVABLE), FromDomain(), description="The robot has the thing in its hand.")
+HAND_EMPTY = Predicate("HandEmpty", (ROBOT,), FromDomain(), description="The robot has nothing in its hand.")
+INSIDE_CONTAINER = Predicate(
+    "InsideContainer",
+    (MOVABLE, TRASH_CAN),
+    FromVLM("InsideContainer"),
+    description="The thing lies inside the container; a thing that is held over it does not.",
+)
+WIPED = Predicate(
+    "WipedOfMarkerScribbles",
+    (TABLE,),
+    FromVLM("WipedOfMarkerScribbles"),
+    description="There is no scribble on the top of the table.",
+)
 GIVEN = (HOLDING, HAND_EMPTY, INSIDE_CONTAINER, WIPED)

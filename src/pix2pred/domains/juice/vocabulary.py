@@ -10,14 +10,47 @@ CONTAINER = Type("container")
 MOVABLE = Type("movable_object")
 TYPES = (ROBOT, JUICER, CONTAINER, MOVABLE)
 
-PICK_CONTAINER = Skill("PickContainer", (ROBOT, CONTAINER))
-PICK_MOVABLE = Skill("PickMovable", (ROBOT, MOVABLE))
-PLACE_IN_WASTE_REGION = Skill("PlaceInsideWasteValveRegion", (ROBOT, CONTAINER, JUICER))
-PLACE_IN_JUICE_REGION = Skill("PlaceInsideJuiceValveRegion", (ROBOT, CONTAINER, JUICER))
-PLACE_INSIDE = Skill("PlaceInside", (ROBOT, MOVABLE, JUICER))
-POUR = Skill("DumpFromOneIntoOther", (ROBOT, CONTAINER, CONTAINER))
-CLOSE_LID = Skill("CloseLid", (ROBOT, JUICER))
-RUN = Skill("TurnOnAndRunMachine", (ROBOT, JUICER, CONTAINER, CONTAINER))
+PICK_CONTAINER = Skill(
+    "PickContainer",
+    (ROBOT, CONTAINER),
+    description="The robot, its hand empty, takes the vessel; what is in it stays in it.",
+)
+PICK_MOVABLE = Skill(
+    "PickMovable",
+    (ROBOT, MOVABLE),
+    description="The robot, its hand empty, takes the fruit, which is not in the juicer.",
+)
+PLACE_IN_WASTE_REGION = Skill(
+    "PlaceInsideWasteValveRegion",
+    (ROBOT, CONTAINER, JUICER),
+    description="The robot puts the vessel it holds into the marked region under the juicer's waste valve.",
+)
+PLACE_IN_JUICE_REGION = Skill(
+    "PlaceInsideJuiceValveRegion",
+    (ROBOT, CONTAINER, JUICER),
+    description="The robot puts the vessel it holds into the marked region under the juicer's juice valve.",
+)
+PLACE_INSIDE = Skill(
+    "PlaceInside",
+    (ROBOT, MOVABLE, JUICER),
+    description="The robot lets the fruit it holds fall into the juicer, whose lid has to be open.",
+)
+POUR = Skill(
+    "DumpFromOneIntoOther",
+    (ROBOT, CONTAINER, CONTAINER),
+    description="The robot pours what is in the first vessel, which it holds, into the second, which has to be empty.",
+)
+CLOSE_LID = Skill(
+    "CloseLid", (ROBOT, JUICER), description="The robot, its hand empty, closes the open lid of the juicer."
+)
+RUN = Skill(
+    "TurnOnAndRunMachine",
+    (ROBOT, JUICER, CONTAINER, CONTAINER),
+    description=(
+        "The robot starts the closed juicer, which fills the first vessel, under the juice valve, with the juice of "
+        "the fruit inside, and the second, under the waste valve, with pulp; both have to be empty before."
+    ),
+)
 SKILLS = (
     PICK_CONTAINER,
     PICK_MOVABLE,
@@ -29,10 +62,20 @@ SKILLS = (
     RUN,
 )
 
-HOLDING_CONTAINER = Predicate("HoldingContainer", (ROBOT, CONTAINER), FromDomain())
-HOLDING_OBJ = Predicate("HoldingObj", (ROBOT, MOVABLE), FromDomain())
-HAND_EMPTY = Predicate("HandEmpty", (ROBOT,), FromDomain())
-JUICE_IN_CUP = Predicate("JuiceInCup", (MOVABLE, CONTAINER), FromVLM("JuiceInCup"))
-EMPTY = Predicate("Empty", (CONTAINER,), FromVLM("Empty"))
-INSIDE = Predicate("Inside", (MOVABLE, JUICER), FromVLM("Inside"))
+HOLDING_CONTAINER = Predicate(
+    "HoldingContainer", (ROBOT, CONTAINER), FromDomain(), description="The robot has the vessel in its hand."
+)
+HOLDING_OBJ = Predicate(
+    "HoldingObj", (ROBOT, MOVABLE), FromDomain(), description="The robot has the fruit in its hand."
+)
+HAND_EMPTY = Predicate("HandEmpty", (ROBOT,), FromDomain(), description="The robot has nothing in its hand.")
+JUICE_IN_CUP = Predicate(
+    "JuiceInCup", (MOVABLE, CONTAINER), FromVLM("JuiceInCup"), description="The juice of the fruit is in the vessel."
+)
+EMPTY = Predicate(
+    "Empty", (CONTAINER,), FromVLM("Empty"), description="Nothing is in the vessel: no juice and no pulp."
+)
+INSIDE = Predicate(
+    "Inside", (MOVABLE, JUICER), FromVLM("Inside"), description="The fruit lies whole inside the juicer."
+)
 GIVEN = (HOLDING_CONTAINER, HOLDING_OBJ, HAND_EMPTY, JUICE_IN_CUP, EMPTY, INSIDE)
