@@ -5,6 +5,7 @@ from pix2pred.demos.authoring.domain_text import domain_text
 from pix2pred.demos.authoring.drafts import Draft, refuse_begun, write_drafts
 from pix2pred.demos.authoring.example import example_declarations, example_drafts
 from pix2pred.demos.authoring.photos import MAX_SIDE, Order, clean_copy
+from pix2pred.demos.authoring.sharing import bare_demo, bare_task
 
 __all__ = [
     "MAX_SIDE",
@@ -12,6 +13,8 @@ __all__ = [
     "Declarations",
     "Draft",
     "Order",
+    "bare_demo",
+    "bare_task",
     "clean_copy",
     "declare",
     "domain_text",
