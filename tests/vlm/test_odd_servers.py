@@ -6,10 +6,10 @@ import gzip
 import json
 import random
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
-from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import Any
 
@@ -28,65 +28,16 @@ from pix2pred.vlm.hosted.http import MOST_BYTES
 from pix2pred.vlm.hosted.spoken import spoken
 from pix2pred.vlm.model_spec import ModelNameError, Spending
 from predicates.scripted import ScriptedVLM, demo
-from vlm.fault_server import FaultServer, _send
+from vlm.fault_server import FaultServer
+from vlm.odd_server import Reply, Scripted, refused, running, said, thinking
 from vlm.real_servers import view
 
-Reply = tuple[int, Any]
 FAST = FlowSettings(first_pause=0.0, longest_pause=0.0, tries=4, timeout=60.0)
 QUESTION = Request(Purpose.LABEL, ("Is it lit?", view(20, 0), "\nPredicates:\nlit(a)"), 400)
 
 
-class Scripted(FaultServer):
-    """Answers each question as ``reply`` says: a status, and a document or bytes."""
-
-    def __init__(self, reply: Callable[[dict[str, Any]], Reply], headers: dict[str, str] | None = None) -> None:
-        super().__init__()
-        self.asked: list[dict[str, Any]] = []
-        self._reply = reply
-        self._more = headers or {}
-        self._one = threading.Lock()
-
-    def serve(self, handler: BaseHTTPRequestHandler) -> None:
-        body = json.loads(handler.rfile.read(int(handler.headers["content-length"])))
-        with self._one:
-            self.asked.append(body)
-        status, document = self._reply(body)
-        content = document if isinstance(document, bytes) else json.dumps(document).encode()
-        _send(handler, status, content, self._more)
-
-
-@contextmanager
-def running(server: Scripted) -> Iterator[Scripted]:
-    with server.running():
-        yield server
-
-
-def said(content: Any, finish: str | None = "stop", tokens: int = 60, **more: Any) -> Reply:
-    message = {"role": "assistant", "content": content} | more.pop("message", {})
-    usage = {"prompt_tokens": 1500, "completion_tokens": tokens, "total_tokens": 1500 + tokens}
-    choice = {"index": 0, "message": message, "finish_reason": finish}
-    return 200, {"id": "c", "object": "chat.completion", "created": 1, "model": "m", "choices": [choice],
-                 "usage": usage} | more  # fmt: skip
-
-
-def refused(message: str, status: int = 400, **more: Any) -> Reply:
-    return status, {"error": {"message": message, "type": "invalid_request_error"} | more}
-
-
 def asked_of(server: FaultServer, flow: FlowSettings = FAST) -> VLM:
     return REGISTRY.vlm(f"openai-compatible:tiny@{server.url}", None, flow)
-
-
-def thinking(tokens: int) -> Callable[[dict[str, Any]], Reply]:
-    """A model that thinks ``tokens`` before it speaks; they count towards its budget."""
-
-    def reply(body: dict[str, Any]) -> Reply:
-        limit = body.get("max_tokens") or body["max_completion_tokens"]
-        if limit < tokens + 40:
-            return said("", "length", limit, message={"reasoning_content": "Let me look."})
-        return said("* lit(a): True. So it is.", tokens=tokens + 60)
-
-    return reply
 
 
 @pytest.mark.parametrize("tokens", [1500, 6000, 16_000])
@@ -238,6 +189,8 @@ LASTING = {
     "loading": refused("failed to load model 'tiny'", 500),
     "one picture": refused("At most 1 image(s) may be provided in one request."),
     "five pictures": refused("Too many images provided (8). This model supports up to 5 images"),
+    "proxy": (413, b"<html><head><title>413 Request Entity Too Large</title></head><body></body></html>"),
+    "router": refused("request entity too large", 413),
     "large pictures": refused("image dimensions exceed max allowed size for many-image requests: 2000 pixels"),
 }
 
@@ -249,7 +202,9 @@ def test_causes_that_time_does_not_mend_end_the_run_at_once(what: str) -> None:
             asked_of(server).answer(QUESTION)
         assert not isinstance(caught.value, NoAnswerError | TransientError) and len(server.asked) == 1
         if "picture" in what:
-            assert "1 pictures in one question" in str(caught.value) and "max_pictures" in str(caught.value)
+            assert "1 pictures in one question" in str(caught.value)
+            assert ("max_pictures" in str(caught.value)) == (what != "one picture")
+        assert "<" not in str(caught.value)
 
 
 UNUSUAL: dict[str, dict[str, Any]] = {
@@ -331,30 +286,75 @@ class Costing:
 @pytest.mark.parametrize(
     ("dollars", "tokens", "expected", "asked"),
     [
-        (None, 60, Expected(10, 600, None), 31),  # three times as many questions
+        (None, 60, Expected(10, 600, None), 30),  # three times as many questions
         (None, 3000, Expected(10, 600, None), 1),
-        (0.05, 60, Expected(10, 600, 0.1), 7),
-        (0.001, 3000, Expected(10, 600, 0.1), 31),  # dear in tokens, and cheap
+        (0.05, 60, Expected(10, 600, 0.1), 6),
+        (0.001, 3000, Expected(10, 600, 0.1), 30),  # dear in tokens, and cheap
     ],
 )
 def test_spending_beyond_the_dry_run_stops(dollars: float | None, tokens: int, expected: Expected, asked: int) -> None:
     model = Costing(Answer("x", spent=Spent(100, tokens, dollars)))
-    guard = GuardVLM(model, lambda: expected, 3.0)
+    guard = GuardVLM(model, lambda: expected, 3.0, lambda request: model.spent.spent)
     with pytest.raises(BeyondEstimateError, match="beyond_estimate"):
         for n in range(100):
             guard.answer(replace(QUESTION, sample=n))
     assert model.asked == asked
 
 
-def test_the_dry_run_is_made_anew_when_labelling_begins() -> None:
-    said_by = iter([Expected(1, 100, None), Expected(5, 500, None)])
+@pytest.mark.parametrize(("labels", "asked"), [(14, 15), (20, 1)])
+def test_labels_beyond_the_limit_are_noticed_when_the_proposals_are_known(labels: int, asked: int) -> None:
+    dry_runs = iter([Expected(6, 600, None), Expected(labels, 60 * labels, None)])
     model = Costing(Answer("x"))
-    guard = GuardVLM(model, lambda: next(said_by), 1.0)
+    guard = GuardVLM(model, lambda: next(dry_runs), 3.0, lambda request: Spent())
     guard.answer(replace(QUESTION, purpose=Purpose.PROPOSE))
-    for n in range(6):
-        guard.answer(replace(QUESTION, sample=n))
-    with pytest.raises(BeyondEstimateError):
-        guard.answer(replace(QUESTION, sample=9))
+    with suppress(BeyondEstimateError):
+        for n in range(labels):
+            guard.answer(replace(QUESTION, sample=n))
+    assert model.asked == asked
+
+
+@pytest.mark.parametrize("most", [300, 1000, 6000])
+def test_questions_that_together_could_pass_the_limit_go_one_by_one(most: int) -> None:
+    model = Waiting(tokens=100)
+    guard = GuardVLM(model, lambda: Expected(40, 1000, None), 3.0, lambda request: Spent(0, most))
+    with ThreadPoolExecutor(8) as pool:
+        done = [pool.submit(guard.answer, replace(QUESTION, sample=n)) for n in range(8)]
+        for n in range(8):
+            model.meet(min(8 - n, max(1, 3000 // most)))
+        failed = [d.exception() for d in done]
+    assert all(isinstance(error, BeyondEstimateError | None) for error in failed)
+    assert model.most_at_once <= max(1, 3000 // most)
+
+
+class Waiting:
+    """A model that answers one question at a time, when told to."""
+
+    name = "waiting"
+
+    def __init__(self, tokens: int) -> None:
+        self.most_at_once = 0
+        self._tokens = tokens
+        self._under_way = 0
+        self._free = 0
+        self._changed = threading.Condition()
+
+    def answer(self, request: Request) -> Answer:
+        with self._changed:
+            self._under_way += 1
+            self.most_at_once = max(self.most_at_once, self._under_way)
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: self._free > 0)
+            self._free -= 1
+            self._under_way -= 1
+        return Answer("x", spent=Spent(0, self._tokens))
+
+    def meet(self, most: int) -> None:
+        """Let one question be answered, once one is under way; more than ``most`` must not be."""
+        with self._changed:
+            met = self._changed.wait_for(lambda: self._under_way > self._free, 30)
+            at_once, self._free = self._under_way - self._free, self._free + (1 if met else 100)
+            self._changed.notify_all()
+        assert met and at_once <= most
 
 
 @pytest.mark.parametrize("cost", [float("nan"), float("inf"), -1.0])

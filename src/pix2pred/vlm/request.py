@@ -155,7 +155,12 @@ class Answer:
 
 
 class VLMError(Pix2predError, RuntimeError):
-    """A model could not be asked; the message says why and what to do. It ends the run."""
+    """A model could not be asked; the message says why and what to do. It ends the run.
+
+    ``spent`` is what an answer took that is of no use and was paid for all the same.
+    """
+
+    spent: Spent | None = None
 
 
 class NoAnswerError(VLMError):

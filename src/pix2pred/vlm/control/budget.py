@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 
 from pix2pred.system.errors import StoppedError
-from pix2pred.vlm.control.flow import TransientError
 from pix2pred.vlm.request import VLM, Answer, Request, VLMError
 
 
@@ -41,7 +40,7 @@ class BudgetVLM:
         try:
             answer = self._model.answer(request)
             spent = answer.spent
-        except TransientError as error:
+        except VLMError as error:
             spent = error.spent
             raise
         finally:

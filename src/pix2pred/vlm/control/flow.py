@@ -17,7 +17,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.vlm.control.together import PLACES
-from pix2pred.vlm.request import VLM, Answer, NoAnswerError, Request, Spent, VLMError
+from pix2pred.vlm.request import VLM, Answer, NoAnswerError, Request, Spent, Stoppable, VLMError
 
 
 class FlowSettings(BaseModel):
@@ -56,17 +56,13 @@ class FlowSettings(BaseModel):
 class TransientError(VLMError):
     """A failure that may pass: overload, a cut connection, an answer that is not what the protocol promises.
 
-    ``retry_after`` is how many seconds the server asks to wait; ``connected`` tells that there is a server; ``spent``
-    is what an answer took that is of no use and was paid for.
+    ``retry_after`` is how many seconds the server asks to wait; ``connected`` tells that there is a server.
     """
 
-    def __init__(
-        self, message: str, retry_after: float | None = None, *, connected: bool = True, spent: Spent | None = None
-    ) -> None:
+    def __init__(self, message: str, retry_after: float | None = None, *, connected: bool = True) -> None:
         super().__init__(message)
         self.retry_after = retry_after
         self.connected = connected
-        self.spent = spent
 
 
 _HOPELESS = 4
@@ -133,6 +129,8 @@ class FlowVLM:
     def stop(self) -> None:
         """End all waiting: the run is over."""
         self._stopped.set()
+        if isinstance(self._model, Stoppable):
+            self._model.stop()
 
     def _note(self, failure: TransientError) -> None:
         if failure.retry_after is not None:

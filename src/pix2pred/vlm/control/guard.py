@@ -1,88 +1,168 @@
-"""Spending far beyond what a dry run says is stopped: something is wrong that no single answer shows."""
+"""Spending far beyond what a dry run says is stopped before it happens: something is wrong that no single answer shows.
+
+What is compared is the dry run of the moment at which the run began, the one a person can have seen. Questions under
+way are taken for as dear as their budgets allow; where all of them together could pass the limit, they go one by one.
+"""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
 
 from pix2pred.system.errors import StoppedError
-from pix2pred.vlm.request import VLM, Answer, Purpose, Request, Stoppable, VLMError
+from pix2pred.vlm.request import VLM, Answer, Purpose, Request, Spent, VLMError
 
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """What a dry run says will still be asked: questions, tokens of answers, and dollars where the price is known."""
+    """Questions, tokens of their answers, and dollars where the price is known."""
 
     questions: int
     output_tokens: int
     dollars: float | None
 
+    @classmethod
+    def of(cls, spent: Spent) -> Expected:
+        """What one question took."""
+        return cls(1, spent.output_tokens, spent.dollars)
+
+    def plus(self, other: Expected) -> Expected:
+        """Both together; the price is unknown when one of them is."""
+        dollars = None if self.dollars is None or other.dollars is None else self.dollars + other.dollars
+        return Expected(self.questions + other.questions, self.output_tokens + other.output_tokens, dollars)
+
+    def dearer(self, other: Expected) -> Expected:
+        """The larger of both, number by number."""
+        dollars = None if self.dollars is None or other.dollars is None else max(self.dollars, other.dollars)
+        return Expected(1, max(self.output_tokens, other.output_tokens), dollars)
+
 
 Estimate = Callable[[], Expected | None]
 """A dry run of what is not stored yet; ``None`` when none can be made."""
 
+Forecast = Callable[[Request], Spent]
+"""The most that a question can take with the budget it would be asked with now."""
+
+NOTHING = Expected(0, 0, 0.0)
+_NEAR = 2 / 3
+"""Share of the limit beyond which a question is taken for as dear as its budget allows, not as the dearest so far."""
+
 
 class BeyondEstimateError(StoppedError, VLMError):
-    """Much more was spent than the dry run said. What was answered is stored."""
+    """More would be spent than the dry run allows for. What was answered is stored."""
 
 
 class GuardVLM:
-    """Ends the run when it has spent more than ``times`` what ``estimate`` says.
+    """Ends the run before it spends more than ``times`` what ``estimate`` said when it began.
 
-    The estimate is made before the first question, and anew before the first label, when the proposals are known.
-    What a model costs is compared in dollars; where the price is not known, in tokens of its answers.
+    Compared are questions, and dollars; where the price is not known, tokens of answers. The first question is always
+    asked. When the proposals are known, a second dry run shows whether the labels they ask for stay within the limit.
     """
 
-    def __init__(self, model: VLM, estimate: Estimate, times: float) -> None:
+    def __init__(self, model: VLM, estimate: Estimate, times: float, forecast: Forecast) -> None:
         self.name = model.name
         self._model = model
         self._estimate = estimate
         self._times = times
-        self._lock = threading.Lock()
-        self._stages: set[bool] = set()
+        self._forecast = forecast
+        self._turn = threading.Condition()
         self._expected: Expected | None = None
-        self._before = Expected(0, 0, 0.0)
-        self._spent = Expected(0, 0, 0.0)
+        self._begun = False
+        self._proposed = False
+        self._spent = NOTHING
+        self._dearest = NOTHING
+        self._known_budget = 0
+        self._under_way: list[Expected] = []
+        self._stopped = False
 
     def answer(self, request: Request) -> Answer:
-        """The model's answer. Raises ``BeyondEstimateError`` instead of asking further beyond the estimate."""
-        with self._lock:
-            proposing = request.purpose in (Purpose.PROPOSE, Purpose.DEFINE)
-            if proposing not in self._stages:
-                self._stages.add(proposing)
-                self._expected, self._before = self._estimate(), self._spent
-            self._check()
-            spent = self._spent
-            self._spent = Expected(spent.questions + 1, spent.output_tokens, spent.dollars)
-        answer = self._model.answer(request)
-        with self._lock:
-            spent, took = self._spent, answer.spent
-            dollars = None if spent.dollars is None or took.dollars is None else spent.dollars + took.dollars
-            self._spent = Expected(spent.questions, spent.output_tokens + took.output_tokens, dollars)
+        """The model's answer. Raises ``BeyondEstimateError`` instead of asking what could pass the limit."""
+        with self._turn:
+            self._look_ahead(request)
+            most = Expected.of(self._forecast(request))
+            self._turn.wait_for(lambda: self._stopped or not self._under_way or self._all_fit(most))
+            if not self._under_way:
+                self._check(most)
+            self._under_way.append(most)
+        took = NOTHING
+        try:
+            answer = self._model.answer(request)
+            took = Expected.of(answer.spent)
+        except VLMError as error:
+            took = Expected.of(error.spent) if error.spent is not None else NOTHING
+            raise
+        finally:
+            with self._turn:
+                self._under_way.remove(most)
+                if took.questions:
+                    self._spent = self._spent.plus(took)
+                    self._dearest = self._dearest.dearer(took)
+                    self._known_budget = max(self._known_budget, most.output_tokens)
+                self._turn.notify_all()
         return answer
 
     def stop(self) -> None:
         """End all waiting: the run is over."""
-        if isinstance(self._model, Stoppable):
-            self._model.stop()
+        with self._turn:
+            self._stopped = True
+            self._turn.notify_all()
 
-    def _check(self) -> None:
-        expected, before, spent = self._expected, self._before, self._spent
-        if expected is None:
+    def _look_ahead(self, request: Request) -> None:
+        """Make the dry run before the first question, and another before the first label."""
+        proposing = request.purpose in (Purpose.PROPOSE, Purpose.DEFINE)
+        if not self._begun:
+            self._begun, self._proposed = True, not proposing
+            self._expected = self._estimate()
+        elif not proposing and not self._proposed:
+            self._proposed = True
+            again = self._estimate()
+            if again is not None and self._share(self._spent.plus(again)) > 1:
+                raise self._stop(self._spent.plus(again), "would be spent, now that the proposals are known")
+
+    def _all_fit(self, most: Expected) -> bool:
+        together = self._spent.plus(most)
+        for under_way in self._under_way:
+            together = together.plus(under_way)
+        return self._share(together) <= 1
+
+    def _check(self, most: Expected) -> None:
+        """Raise unless the question, the only one under way, will stay within the limit."""
+        if not self._spent.questions:
             return
-        compared: list[tuple[str, float, float]] = [
-            ("questions", spent.questions - before.questions, expected.questions)
-        ]
-        if spent.dollars is not None and before.dollars is not None and expected.dollars is not None:
-            compared.append(("dollars", spent.dollars - before.dollars, expected.dollars))
+        unknown = most.output_tokens > self._known_budget
+        reckoned = most if unknown or self._share(self._spent) > _NEAR else self._dearest
+        if self._share(self._spent.plus(reckoned)) > 1:
+            raise self._stop(self._spent, "are spent, and the next question could pass the limit")
+
+    def _share(self, amount: Expected) -> float:
+        """The largest share of its limit that a number in ``amount`` takes; above 1 it is passed."""
+        return max((used / limit if limit else inf if used else 0.0 for _, used, limit in self._against(amount)),
+                   default=0.0)  # fmt: skip
+
+    def _against(self, amount: Expected) -> list[tuple[str, float, float]]:
+        """What is compared: what it is, how much of it ``amount`` holds, and how much there may be."""
+        expected = self._expected
+        if expected is None:
+            return []
+        rows: list[tuple[str, float, float]] = [("questions", amount.questions, expected.questions)]
+        if amount.dollars is not None and expected.dollars is not None:
+            rows.append(("dollars", amount.dollars, expected.dollars))
         else:
-            compared.append(("tokens of answers", spent.output_tokens - before.output_tokens, expected.output_tokens))
-        for what, used, wanted in compared:
-            if used > self._times * wanted:
-                raise BeyondEstimateError(
-                    f"{self.name}: {used:.4g} {what} were spent where a dry run says {wanted:.4g}, so the run was "
-                    f"stopped. Answers so far are stored. Look at some with 'pix2pred answers list'; for a model that "
-                    "thinks, say so with 'flow: {thinking: TOKENS}' so that the dry run counts it; to go on from here "
-                    f"all the same, set 'flow: {{beyond_estimate: {2 * self._times:g}}}' and run the same command again"
-                )
+            rows.append(("tokens of answers", amount.output_tokens, expected.output_tokens))
+        return [(what, used, self._times * said) for what, used, said in rows]
+
+    def _stop(self, amount: Expected, how: str) -> BeyondEstimateError:
+        what, used, limit = max(self._against(amount), key=lambda row: row[1] / row[2] if row[2] else inf)
+        return BeyondEstimateError(
+            f"{self.name}: {_number(used)} {what} {how}; a dry run said {_number(limit / self._times)}, and beyond "
+            f"{self._times:g} times that a run stops. Answers so far are stored, and the same command goes on from "
+            "them; see with --dry-run what is left. For a model that thinks, say how much with 'flow: {thinking: "
+            "TOKENS}', and the dry run counts it; or allow more with "
+            f"'flow: {{beyond_estimate: {2 * self._times:g}}}'"
+        )
+
+
+def _number(amount: float) -> str:
+    return f"{amount:,.0f}" if amount >= 100 else f"{amount:.3g}"

@@ -170,12 +170,19 @@ class HostedVLM:
         provider, flow = self._model.provider, self._flow
         asked = thinking if flow.thinking is not None or thinking else None
         settings = provider.settings(request, asked, left_out)
-        settings |= {"max_tokens": (flow.output_tokens or request.max_tokens) + thinking, "timeout": flow.timeout}
+        settings |= {"max_tokens": self._budget(request, thinking), "timeout": flow.timeout}
         left = Parameter.TEMPERATURE in left_out or flow.temperature is None
         if not left and provider.takes_temperature(asked):
             settings["temperature"] = request.temperature
         made: ModelSettings = ModelSettings(**settings)  # type: ignore[typeddict-item]
         return made
+
+    def budget(self, request: Request) -> int:
+        """Tokens that the model may write and think about ``request``, were it asked now."""
+        return self._budget(request, self._thinking)
+
+    def _budget(self, request: Request, thinking: int) -> int:
+        return (self._flow.output_tokens or request.max_tokens) + thinking
 
     def _read(self, response: ModelResponse, thinking: int, seconds: float) -> Answer:
         text, unfinished = spoken("".join(part.content for part in response.parts if part.part_kind == "text"))
@@ -198,23 +205,22 @@ class HostedVLM:
         Raises ``TransientError`` when the question is to be asked again, and ``VLMError`` when that was tried and the
         model has never said anything, or else ``NoAnswerError``.
         """
+        error: VLMError = NoAnswerError("the answer was cut short by the token budget before it said anything")
         with self._learning:
             if not self._raised:
                 self._raised = True
                 self._thinking = max(4 * thinking, _RAISED)
             if self._thinking > thinking:
-                raise TransientError(
-                    f"the answer was cut short after {spent.output_tokens} tokens, before it said anything",
-                    retry_after=0.0,
-                    spent=spent,
-                )
-            if not self._spoke:
-                raise VLMError(
+                said = f"the answer was cut short after {spent.output_tokens} tokens, before it said anything"
+                error = TransientError(said, retry_after=0.0)
+            elif not self._spoke:
+                error = VLMError(
                     f"{self.name}: answers are cut short by the token budget before they say anything, also with "
                     f"{thinking} tokens for thinking; set 'flow: {{thinking: N}}' to more than that, or to 0 for a "
                     "model that can answer without thinking, and start the server with a longer context if it has one"
                 )
-        raise NoAnswerError("the answer was cut short by the token budget before it said anything")
+        error.spent = spent
+        raise error
 
 
 def _parameters(request: Request, left_out: frozenset[Parameter]) -> ModelRequestParameters:

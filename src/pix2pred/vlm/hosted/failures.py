@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from http import HTTPStatus
 from typing import Any
 
 from pydantic_ai import exceptions as ai
@@ -61,6 +62,8 @@ _TOO_MANY_PICTURES = re.compile(
     r"too many (image|picture)s|number of images|images? .{0,40}(exceed|limit)|many-image", re.I
 )
 _CERTIFICATE = re.compile(r"certificate|CERTIFICATE_VERIFY_FAILED|self.signed", re.I)
+_MARKUP = re.compile(r"</?[A-Za-z][^<>]{0,200}>")
+"""Marks of a page, which proxies send in place of a message."""
 _READ_OF_A_MESSAGE = 2000
 """Characters of a server's message that are looked at."""
 _SHOWN_OF_A_MESSAGE = 200
@@ -106,7 +109,7 @@ def _refused(error: ai.ModelAPIError, model: HostedModel, key: str | None, reque
         return VLMError(f"{model.name}: the key was not accepted ({said}); check the environment variable {names}")
     if isinstance(error, ai.ModelQuotaExceededError) or status == 402:
         return VLMError(f"{model.name}: the account's quota or credit is used up ({said})")
-    if lasting := _lasting(whole, model, said, request):
+    if lasting := _lasting(whole, status, model, said, request):
         return lasting
     unknown = _UNKNOWN_MODEL.search(whole) or _PINNED_MODEL.search(whole)
     if isinstance(error, ai.ModelNotFoundError) or status == 404 or (status == 400 and unknown):
@@ -121,15 +124,25 @@ def _refused(error: ai.ModelAPIError, model: HostedModel, key: str | None, reque
     return NoAnswerError(said)
 
 
-def _lasting(message: str, model: HostedModel, said: str, request: Request) -> VLMError | None:
+def _lasting(message: str, status: int | None, model: HostedModel, said: str, request: Request) -> VLMError | None:
     """What no waiting mends and every question meets."""
     count = len(request.views)
     if count and (most := _MOST_PICTURES.search(message) or _TOO_MANY_PICTURES.search(message)):
         number = next((g for g in most.groups() if g and g.isdigit()), "N")
+        remedy = (
+            "a question about a change shows at least two, before and after: name another model"
+            if number in ("0", "1")
+            else f"set 'flow: {{max_pictures: {number}}}', which asks for proposals in parts, and with it "
+            "'labels: {crops: false}' for fewer pictures of labels"
+        )
         return VLMError(
-            f"{model.name}: {count} pictures in one question are too many ({said}); set 'flow: {{max_pictures: "
-            f"{number}}}', which asks for proposals in parts, and with it 'labels: {{crops: false}}' for fewer "
-            "pictures of labels. A vLLM server takes more with --limit-mm-per-prompt"
+            f"{model.name}: {count} pictures in one question are too many ({said}); {remedy}. A vLLM server takes more "
+            "with --limit-mm-per-prompt"
+        )
+    if status == HTTPStatus.REQUEST_ENTITY_TOO_LARGE and not _TOO_LARGE.search(message):
+        return VLMError(
+            f"{model.name}: the question with its {count} pictures is more than the server or a proxy before it takes "
+            f"({said}); show smaller pictures with --longest-side, or fewer with 'flow: {{max_pictures: N}}'"
         )
     if count and _NO_IMAGES.search(message):
         return VLMError(
@@ -163,7 +176,8 @@ def _message(body: Any, key: str | None) -> str:
         text = body if isinstance(body, str) else json.dumps(body, default=str) if body else ""
     except (ValueError, RecursionError):  # nested deeper than anything that says something
         return ""
-    plain = "".join(c if c.isprintable() else " " for c in text[:_READ_OF_A_MESSAGE])
+    text = _MARKUP.sub(" ", text[:_READ_OF_A_MESSAGE])
+    plain = "".join(c if c.isprintable() else " " for c in text)
     return _blotted(" ".join(plain.split()), key)
 
 

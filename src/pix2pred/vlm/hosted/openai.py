@@ -39,6 +39,9 @@ class OpenAI(Provider):
     def thinking_tokens(self, model: str) -> int:
         return _THOUGHTS if _THINKS.match(model) and "chat" not in model else 0
 
+    def takes_temperature(self, thinking: int | None) -> bool:
+        return not thinking
+
     def settings(self, request: Request, thinking: int | None, left_out: frozenset[Parameter]) -> dict[str, Any]:
         made = super().settings(request, thinking, left_out)
         if request.logprobs and Parameter.LOGPROBS not in left_out:

@@ -42,3 +42,6 @@ class OpenAICompatible(OpenAI):
     def thinking_tokens(self, model: str) -> int:
         """Whether a model of any name thinks is found out when an answer is cut short before it says anything."""
         return 0
+
+    def takes_temperature(self, thinking: int | None) -> bool:
+        return True

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from pix2pred.vlm.answers.replay import AbsentVLM
 from pix2pred.vlm.control.breaker import BreakerVLM
 from pix2pred.vlm.control.budget import BudgetVLM
+from pix2pred.vlm.control.estimate import CHARACTERS_PER_TOKEN
 from pix2pred.vlm.control.flow import FlowVLM
-from pix2pred.vlm.control.guard import GuardVLM
+from pix2pred.vlm.control.guard import Forecast, GuardVLM
 from pix2pred.vlm.hosted.pricing import dollars
 from pix2pred.vlm.hosted.provider import HostedModel, Provider
 from pix2pred.vlm.model_spec import Kind, ModelNameError, ModelSpec, Rates, Setup
-from pix2pred.vlm.request import VLM
+from pix2pred.vlm.request import VLM, Request, Spent
+
+if TYPE_CHECKING:
+    from pix2pred.vlm.hosted.client import HostedVLM
 
 
 def kind_of(provider: Provider) -> Kind:
@@ -33,10 +38,24 @@ class HostedSpec(ModelSpec):
 
         hosted = HostedVLM(self.model, setup.draw, setup.flow)
         spending = setup.spending
-        flowing = FlowVLM(BudgetVLM(hosted, spending.max_requests, spending.max_cost), setup.flow)
+        asked: VLM = BudgetVLM(hosted, spending.max_requests, spending.max_cost)
+        if spending.estimate:
+            asked = GuardVLM(asked, spending.estimate, setup.flow.beyond_estimate, self._most(hosted))
+        flowing = FlowVLM(asked, setup.flow)
         hosted.hold = flowing.hold
-        guarded = GuardVLM(flowing, spending.estimate, setup.flow.beyond_estimate) if spending.estimate else flowing
-        return BreakerVLM(guarded, setup.flow.unusable_in_a_row)
+        return BreakerVLM(flowing, setup.flow.unusable_in_a_row)
+
+    def _most(self, hosted: HostedVLM) -> Forecast:
+        """What gives the most that a question to ``hosted`` can take."""
+        rates = self.rates
+
+        def most(request: Request) -> Spent:
+            tokens = len(request.text) // CHARACTERS_PER_TOKEN
+            tokens += sum(rates.picture_tokens(*view.shown_size) for view in request.views)
+            budget = hosted.budget(request)
+            return Spent(tokens, budget, rates.dollars(tokens, budget))
+
+        return most
 
     def by_name(self, setup: Setup) -> VLM:
         return AbsentVLM(self.model.name)
