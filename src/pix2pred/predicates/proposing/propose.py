@@ -184,11 +184,7 @@ def answered_proposal(
 
 
 def proposal_request(
-    demo: Demo,
-    settings: ProposalSettings,
-    attempt: int = 0,
-    budget: int = ANSWER_TOKENS,
-    part: range | None = None,
+    demo: Demo, settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS, part: range | None = None
 ) -> Request:
     """The query about one demonstration, or the states ``part`` of it: instruction, objects, actions, pictures."""
     times = range(len(demo.states)) if part is None else part
