@@ -48,7 +48,10 @@ class LabelAdvice:
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """Predicates that the most probable model selects, and labels to check, the most useful first."""
+    """What a person should look at.
+
+    ``predicates`` are those of the most probable model; ``labels`` are to be checked, the most useful first.
+    """
 
     predicates: tuple[Predicate, ...]
     labels: tuple[LabelAdvice, ...]

@@ -53,7 +53,10 @@ class ProposedAtom:
 
 @dataclass(frozen=True, slots=True)
 class Rejection:
-    """A proposed atom that was not used, and why."""
+    """Something proposed that is not used.
+
+    ``text`` is as the model wrote it, ``reason`` says for people what is wrong with it.
+    """
 
     text: str
     reason: str

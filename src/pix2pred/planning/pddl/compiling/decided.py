@@ -24,7 +24,10 @@ _STANDING_FOR = -1
 
 @dataclass(frozen=True, slots=True)
 class GroundRule:
-    """A fact that follows from literals."""
+    """A rule without variables: ``head`` is true in every state in which all literals of ``body`` hold.
+
+    Rules with one head are alternatives.
+    """
 
     body: Conjunction
     head: Fact
