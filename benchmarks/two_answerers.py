@@ -26,13 +26,7 @@ from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY
 from pix2pred.settings import Layer, resolve
 from pix2pred.vlm import Answer, Purpose, Request
-from pix2pred.vlm.offline.prompt_format import (
-    KnownWord,
-    asked_atoms,
-    definition_answer,
-    history_line,
-    states_shown,
-)
+from pix2pred.vlm.offline.prompt_format import KnownWord, asked_atoms, definition_answer, history_line, states_shown
 
 FAMILY = "combo"
 ITEMS = ("patty", "lettuce", "bottom_bun", "top_bun")

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import pytest
 
@@ -127,3 +127,13 @@ class Follower:
             patch.setattr(sys, "stdin", StringIO(Path(source.strip()).read_text() if source else ""))
             code = run(shlex.split(text)[1:])
         return Ran(code, *self.read())
+
+
+def defined_in_extending(name: str) -> Any:
+    """The class or function called ``name`` that an example of docs/extending.md defines."""
+    page = Path(__file__).parents[1] / "docs" / "extending.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    (code,) = [block for block in blocks if re.search(rf"^(class|def) {name}\b", block, re.MULTILINE)]
+    names: dict[str, Any] = {}
+    exec(code, names)  # the page's own code
+    return names[name]

@@ -10,8 +10,22 @@ import numpy as np
 from pix2pred.domains.home.domain import HomeDomain, Start
 from pix2pred.domains.home.episode import HomeEnvironment
 from pix2pred.domains.home.world import World
+from pix2pred.execution.episode import open_loop
+from pix2pred.execution.parameters import Parameters
+from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import ground_atoms
-from pix2pred.structs import Atom, Candidate, FromVLM, LabelledDemo, LiftedAtom, Object, Operator, Predicate, TruthTable
+from pix2pred.structs import (
+    Atom,
+    Candidate,
+    FromVLM,
+    LabelledDemo,
+    LiftedAtom,
+    Object,
+    Operator,
+    PlanStatus,
+    Predicate,
+    TruthTable,
+)
 from pix2pred.structs.environment import StepStatus
 
 ValueOf = Callable[[World, str, Sequence[str]], bool]
@@ -65,6 +79,20 @@ def _holds(domain: HomeDomain, world: World, atom: Atom, predicates: Mapping[Pre
     if concept is None:
         return domain.rules.holds(world, atom)
     return value(world, concept, [o.name for o in atom.objects])
+
+
+def planned_and_run(
+    domain: HomeDomain, start: Start, model: Sequence[Operator], predicates: Mapping[Predicate, str], value: ValueOf
+) -> int:
+    """The number of steps of a shortest plan from perfect labels; fails when there is none or it misses the goal."""
+    objects, atoms = true_atoms(domain, start.world, predicates, value)
+    goal = domain.goal_of(start)
+    found = Planner(AStar()).plan(model, objects, atoms, goal)
+    assert found.status == PlanStatus.SOLVED
+    episode = HomeEnvironment(domain.rules, start.world, goal)
+    outcome = open_loop(found.plan, episode, Parameters({}, np.random.default_rng(0)))
+    assert outcome.goal_reached, outcome.detail
+    return len(found.plan)
 
 
 def shape(op: Operator) -> Shape:

@@ -163,11 +163,7 @@ class TestProtocol:
         shutil.copy(run.path.parent / "data/tasks/t0/images/0/main.png", tmp_path / "main.png")
         scene = {"objects": THINGS, "holds": [], "goal": GOAL}
         tools, (model, planned, refused) = self._called(
-            run,
-            tmp_path,
-            ("world_model", {}),
-            ("plan_from_atoms", scene),
-            ("describe", {"photos": ["../x.png"]}),
+            run, tmp_path, ("world_model", {}), ("plan_from_atoms", scene), ("describe", {"photos": ["../x.png"]})
         )
         assert [t.name for t in tools] == [
             "world_model", "describe", "plan_from_photos", "plan_from_atoms", "validate"

@@ -29,13 +29,7 @@ from pix2pred.predicates.labelling.parse_labels import ALL_WORDS, parse_labels
 from pix2pred.predicates.labelling.structured import as_text
 from pix2pred.predicates.proposing.parse_atoms import kept
 from pix2pred.predicates.proposing.propose import ProposalSettings, read_proposal
-from pix2pred.structs import (
-    Demo,
-    Object,
-    Skill,
-    State,
-    Type,
-)
+from pix2pred.structs import Demo, Object, Skill, State, Type
 
 ITEM = Type("item")
 OBJECTS = tuple(Object(name, ITEM, name) for name in ("patty1", "top_bun2", "grill", "small_blue_cup"))

@@ -77,12 +77,7 @@ class Workload:
 
 
 def make_traces(
-    domain: str,
-    seed: int,
-    flip_rate: float,
-    unknown_rate: float = 0.0,
-    sticky: bool = False,
-    skill_args: str = "all",
+    domain: str, seed: int, flip_rate: float, unknown_rate: float = 0.0, sticky: bool = False, skill_args: str = "all"
 ) -> Workload:
     """Twelve optimal demonstrations with one or two hidden predicates among thirty candidates.
 

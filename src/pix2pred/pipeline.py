@@ -49,7 +49,11 @@ class LearningProblem:
 
 @dataclass(frozen=True, slots=True)
 class Pool:
-    """Candidate predicates and, when a model was asked, what it proposed and what was rejected."""
+    """Candidate predicates.
+
+    Where a model was asked for them, ``proposals`` tell what it proposed about each demonstration and what of that was
+    rejected.
+    """
 
     candidates: tuple[Candidate, ...]
     proposals: tuple[Proposal, ...] = ()
@@ -65,7 +69,10 @@ class Gathered:
 
 @dataclass(frozen=True, slots=True)
 class Selected:
-    """A world model, the corrected labels it was learned from, and how selection went."""
+    """What selection gives: a world ``model`` and how it was come by.
+
+    ``table`` holds the labels that it was learned from, a person's corrections included.
+    """
 
     model: WorldModel
     table: TruthTable

@@ -11,16 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.hostile import (
-    FailsAt,
-    Model,
-    always,
-    refused,
-    said,
-    sees,
-    tree,
-    whole,
-)
+from cli.hostile import FailsAt, Model, always, refused, said, sees, tree, whole
 from command_line import Cli
 from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.vlm import Request, VLMError

@@ -10,18 +10,7 @@ from pathlib import Path
 import pytest
 
 import cli.hostile_lamps as lamps
-from cli.hostile import (
-    Model,
-    add_predicate,
-    always,
-    edit,
-    edit_demos,
-    refused,
-    said,
-    sees,
-    tree,
-    whole,
-)
+from cli.hostile import Model, add_predicate, always, edit, edit_demos, refused, said, sees, tree, whole
 from command_line import Cli
 from pix2pred.registry import REGISTRY
 from pix2pred.vlm import Request
@@ -47,14 +36,7 @@ from pix2pred.vlm import Request
     ],
 )
 def test_what_is_wrong_with_a_file_is_said_before_anything_is_asked(
-    cli: Cli,
-    model: Model,
-    data: Path,
-    tmp_path: Path,
-    file: str,
-    old: str,
-    new: str,
-    message: str,
+    cli: Cli, model: Model, data: Path, tmp_path: Path, file: str, old: str, new: str, message: str
 ) -> None:
     fake = model()
     edit(data / file, old, new)

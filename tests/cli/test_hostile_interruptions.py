@@ -9,13 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.hostile import (
-    finish,
-    refused,
-    start,
-    tree,
-    whole,
-)
+from cli.hostile import finish, refused, start, tree, whole
 from command_line import Cli, Ran
 
 

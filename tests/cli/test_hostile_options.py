@@ -7,12 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cli.hostile import (
-    NothingDrawn,
-    refused,
-    said,
-    tree,
-)
+from cli.hostile import NothingDrawn, refused, said, tree
 from command_line import Cli
 from pix2pred.registry import Registry
 from pix2pred.vlm import StoredVLM

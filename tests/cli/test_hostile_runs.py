@@ -13,18 +13,7 @@ from typing import IO, Any
 import pytest
 
 import cli.hostile_lamps as lamps
-from cli.hostile import (
-    FailsAt,
-    Model,
-    NothingDrawn,
-    edit,
-    finish,
-    refused,
-    said,
-    start,
-    tree,
-    whole,
-)
+from cli.hostile import FailsAt, Model, NothingDrawn, edit, finish, refused, said, start, tree, whole
 from command_line import Cli
 from pix2pred.vlm import VLMError
 

@@ -11,15 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pix2pred.demos import (
-    FolderError,
-    Project,
-    check_project,
-    read_project,
-    read_tasks,
-    write_project,
-    write_task,
-)
+from pix2pred.demos import FolderError, Project, check_project, read_project, read_tasks, write_project, write_task
 from pix2pred.structs import (
     Action,
     Box,

@@ -86,8 +86,7 @@ def test_perfect_labels_and_the_printed_operators_solve_both_kinds_of_task() -> 
 
 
 @pytest.mark.parametrize(
-    ("wrong", "failure"),
-    [({"cooked(patty1)"}, Failure.WRONG_LABEL), ({"hand_free(robot)"}, Failure.WRONG_LABEL)],
+    ("wrong", "failure"), [({"cooked(patty1)"}, Failure.WRONG_LABEL), ({"hand_free(robot)"}, Failure.WRONG_LABEL)]
 )
 def test_a_wrong_label_is_recognised_by_planning_again_with_the_truth(wrong: set[str], failure: Failure) -> None:
     episode = solve(tasks()[0], frozenset(wrong))

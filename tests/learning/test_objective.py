@@ -20,12 +20,7 @@ from hypothesis import strategies as st
 
 from learning.published import published
 from learning.random_tables import random_table
-from pix2pred.learning import (
-    HillClimbing,
-    hill_climbing,
-    learn_operators,
-    load_traces,
-)
+from pix2pred.learning import HillClimbing, hill_climbing, learn_operators, load_traces
 from pix2pred.learning.objective.exact_tree import ExactTree
 from pix2pred.learning.objective.expected_nodes import ExpectedNodes
 from pix2pred.learning.objective.planning_effort import DemoObjective, DemoScore, Effort
@@ -120,10 +115,7 @@ def test_tie_draws_matter_where_ties_exist() -> None:
 
 # --- closed forms of 6.2 --------------------------------------------------------------------------------------------
 
-ENGINES = [
-    lambda k, budget: ExactTree(k, budget),
-    lambda k, budget: ExpectedNodes(k, budget),
-]
+ENGINES = [lambda k, budget: ExactTree(k, budget), lambda k, budget: ExpectedNodes(k, budget)]
 LETTERS = pytest.mark.parametrize("engine", ENGINES, ids=["exact-tree", "grouped"])
 ONCE = Strips(2, (0b01, 0b01), (0b10, 0b00), (0b01, 0b01), 0b01, 0b10)  # one way to the goal, one dead end
 

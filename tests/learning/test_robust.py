@@ -16,15 +16,7 @@ from pix2pred.learning.labels.hidden_markov import EffectKind, HiddenMarkovLabel
 from pix2pred.learning.operators.clustering import partition
 from pix2pred.learning.strategies import operator_learner
 from pix2pred.learning.transitions import IndexedTable
-from pix2pred.structs import (
-    Action,
-    Label,
-    LabelledDemo,
-    Object,
-    Operator,
-    Skill,
-    TruthTable,
-)
+from pix2pred.structs import Action, Label, LabelledDemo, Object, Operator, Skill, TruthTable
 
 ROBUST = LearningSettings(operators="robust")
 FAMILIES = ("more-stacks", "bigger", "combo")

@@ -9,14 +9,7 @@ import pytest
 from learning.published import published
 from learning.random_tables import BALL, candidate, demo, given, table
 from learning.random_workloads import random_workload
-from pix2pred.learning import (
-    ClimbEnd,
-    HillClimbing,
-    LearningSettings,
-    Selection,
-    hill_climbing,
-    selection_document,
-)
+from pix2pred.learning import ClimbEnd, HillClimbing, LearningSettings, Selection, hill_climbing, selection_document
 from pix2pred.learning.objective.planning_effort import DemoScore
 from pix2pred.learning.selection.published_rules import ImprovementStop, LevelStop
 from pix2pred.learning.selection.stopping_rule import StoppingRule

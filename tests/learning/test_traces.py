@@ -16,12 +16,7 @@ from hypothesis import strategies as st
 
 from learning.random_tables import POOL, SKILLS, TYPES, random_table
 from pix2pred.learning import Traces, TracesError, dump_traces, load_traces
-from pix2pred.structs import (
-    Label,
-    LabelledDemo,
-    TruthTable,
-    Vocabulary,
-)
+from pix2pred.structs import Label, LabelledDemo, TruthTable, Vocabulary
 
 WORKLOAD = Path(__file__).parents[1] / "data" / "workloads" / "more_stacks_n100_noise2.json.gz"
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 
-import numpy as np
 import pytest
 
 import golden
@@ -12,12 +11,8 @@ import home_truth
 from extras import need
 from pix2pred.domains.cleanup import CleanupDomain
 from pix2pred.domains.cleanup.truth import concept_value
-from pix2pred.domains.home.episode import HomeEnvironment
-from pix2pred.execution.episode import open_loop
-from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
-from pix2pred.planning import AStar, Planner
-from pix2pred.structs import Operator, PlanStatus, TruthTable
+from pix2pred.structs import Operator, TruthTable
 
 pytestmark = need("mujoco", extra="sim")
 
@@ -66,24 +61,11 @@ def test_the_printed_predicates_are_selected() -> None:
 @pytest.mark.parametrize("index", range(2))
 def test_novel_goals_have_the_printed_lengths_and_are_reached(family: str, length: int, index: int) -> None:
     start = DOMAIN.start(family, 0, index)
-    objects, atoms = home_truth.true_atoms(DOMAIN, start.world, CONCEPTS, concept_value)
-    goal = DOMAIN.goal_of(start)
-    found = Planner(AStar()).plan(operators(), objects, atoms, goal)
-    assert found.status == PlanStatus.SOLVED and len(found.plan) == length
-    episode = HomeEnvironment(DOMAIN.rules, start.world, goal)
-    outcome = open_loop(found.plan, episode, Parameters({}, np.random.default_rng(0)))
-    assert outcome.goal_reached, outcome.detail
+    assert home_truth.planned_and_run(DOMAIN, start, operators(), CONCEPTS, concept_value) == length
 
 
 @pytest.mark.parametrize("family", ["new-objects", "new-background", "more-objects"])
 @pytest.mark.parametrize("index", range(3))
 def test_the_other_variants_are_solved(family: str, index: int) -> None:
     start = DOMAIN.start(family, 1, index)
-    objects, atoms = home_truth.true_atoms(DOMAIN, start.world, CONCEPTS, concept_value)
-    goal = DOMAIN.goal_of(start)
-    found = Planner(AStar()).plan(operators(), objects, atoms, goal)
-    assert found.status == PlanStatus.SOLVED
-    outcome = open_loop(
-        found.plan, HomeEnvironment(DOMAIN.rules, start.world, goal), Parameters({}, np.random.default_rng(0))
-    )
-    assert outcome.goal_reached, outcome.detail
+    assert home_truth.planned_and_run(DOMAIN, start, operators(), CONCEPTS, concept_value)

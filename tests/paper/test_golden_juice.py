@@ -5,21 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 
-import numpy as np
 import pytest
 
 import golden
 import home_truth
 from extras import need
-from pix2pred.domains.home.episode import HomeEnvironment
 from pix2pred.domains.home.world import World
 from pix2pred.domains.juice import JuiceDomain
 from pix2pred.domains.juice.truth import CONCEPTS, concept_value
-from pix2pred.execution.episode import open_loop
-from pix2pred.execution.parameters import Parameters
 from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
-from pix2pred.planning import AStar, Planner
-from pix2pred.structs import Operator, PlanStatus, TruthTable
+from pix2pred.structs import Operator, TruthTable
 
 pytestmark = need("mujoco", extra="sim")
 
@@ -81,24 +76,11 @@ def test_the_printed_predicates_are_selected_but_the_one_that_changes_nothing() 
 @pytest.mark.parametrize("index", range(2))
 def test_novel_goals_have_the_printed_lengths_and_are_reached(family: str, length: int, index: int) -> None:
     start = DOMAIN.start(family, 0, index)
-    objects, atoms = home_truth.true_atoms(DOMAIN, start.world, BY_PREDICATE, value)
-    goal = DOMAIN.goal_of(start)
-    found = Planner(AStar()).plan(operators(), objects, atoms, goal)
-    assert found.status == PlanStatus.SOLVED and len(found.plan) == length
-    episode = HomeEnvironment(DOMAIN.rules, start.world, goal)
-    outcome = open_loop(found.plan, episode, Parameters({}, np.random.default_rng(0)))
-    assert outcome.goal_reached, outcome.detail
+    assert home_truth.planned_and_run(DOMAIN, start, operators(), BY_PREDICATE, value) == length
 
 
 @pytest.mark.parametrize("family", ["new-objects", "new-background", "more-objects"])
 @pytest.mark.parametrize("index", range(3))
 def test_the_other_variants_are_solved(family: str, index: int) -> None:
     start = DOMAIN.start(family, 1, index)
-    objects, atoms = home_truth.true_atoms(DOMAIN, start.world, BY_PREDICATE, value)
-    goal = DOMAIN.goal_of(start)
-    found = Planner(AStar()).plan(operators(), objects, atoms, goal)
-    assert found.status == PlanStatus.SOLVED
-    outcome = open_loop(
-        found.plan, HomeEnvironment(DOMAIN.rules, start.world, goal), Parameters({}, np.random.default_rng(0))
-    )
-    assert outcome.goal_reached, outcome.detail
+    assert home_truth.planned_and_run(DOMAIN, start, operators(), BY_PREDICATE, value)

@@ -16,11 +16,7 @@ PRINTED = {"more-stacks": "more_burger_stacks", "bigger": "bigger_burger", "comb
 NEEDED = {"more-stacks": ["cooked", "hand_free"], "bigger": ["cooked", "hand_free"],
           "combo": ["chopped", "hand_free", "cooked"]}  # fmt: skip
 HAND_FREE = ("empty_hands", "[[0:robot].fingers<=[idx_0]0.5]", "clear5")
-J_TABLE = {
-    "more-stacks": [1.1e5, 11.6e3, 280],
-    "bigger": [8.0e5, 10.1e3, 476],
-    "combo": [3.1e5, 10.2e3, 3.7e3, 378],
-}
+J_TABLE = {"more-stacks": [1.1e5, 11.6e3, 280], "bigger": [8.0e5, 10.1e3, 476], "combo": [3.1e5, 10.2e3, 3.7e3, 378]}
 
 
 def _table(family: str, words: list[str]) -> TruthTable:

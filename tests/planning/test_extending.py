@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-from typing import Any
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from doc_runner import defined_in_extending
 from pix2pred import planners, registry
 from pix2pred.planning import AStar, GreedyBestFirst, Planner
 from pix2pred.structs import PlanStatus
 from planning.random_tasks import random_strips, run, shortest
-
-PAGE = Path(__file__).parents[2] / "docs" / "extending.md"
-
-
-def _example(defines: str) -> Any:
-    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    (code,) = [block for block in blocks if defines in block]
-    names: dict[str, Any] = {}
-    exec(code, names)  # the page's own code
-    return names[defines]
 
 
 @given(st.integers(0, 2**32))
@@ -31,7 +18,7 @@ def _example(defines: str) -> Any:
 def test_a_heuristic_from_outside_serves_every_search_here(seed: int) -> None:
     task = random_strips(seed)
     length = shortest(task)
-    for search in (GreedyBestFirst(_example("MissingGoals")), AStar(_example("MissingGoals"))):
+    for search in (GreedyBestFirst(defined_in_extending("MissingGoals")), AStar(defined_in_extending("MissingGoals"))):
         found = search(task)
         assert found.status == (PlanStatus.UNSOLVABLE if length is None else PlanStatus.SOLVED)
         final = run(task, found.plan)
@@ -42,13 +29,13 @@ def test_a_heuristic_from_outside_serves_every_search_here(seed: int) -> None:
 @settings(max_examples=100, deadline=None)
 def test_a_search_from_outside_finds_what_there_is(seed: int) -> None:
     task = random_strips(seed)
-    length, found = shortest(task), _example("breadth_first")(task)
+    length, found = shortest(task), defined_in_extending("breadth_first")(task)
     assert found.status == (PlanStatus.UNSOLVABLE if length is None else PlanStatus.SOLVED)
     assert length is None or len(found.plan) == length
 
 
 def test_one_line_of_the_registry_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    heuristic = _example("MissingGoals")
+    heuristic = defined_in_extending("MissingGoals")
     monkeypatch.setitem(planners.HEURISTICS, "goals", heuristic)
     assert registry.load_planner("astar-goals") == Planner(AStar(heuristic))
     assert registry.load_planner("gbfs-goals") == Planner(GreedyBestFirst(heuristic))

@@ -36,11 +36,7 @@ def test_a_proposal_gives_words_meanings_and_what_never_changes() -> None:
     )
     assert [r.text for r in proposal.rejected] == ["flies(bird)"]
     assert [(c.predicate.name, c.predicate.source, c.predicate.description) for c in lift_words([proposal])] == [
-        (
-            "cooked0",
-            FromVLM("cooked", ("grilled", "browned"), ("raw",)),
-            "The patty is brown, also while it is held.",
-        ),
+        ("cooked0", FromVLM("cooked", ("grilled", "browned"), ("raw",)), "The patty is brown, also while it is held."),
         ("meaty0", FromVLM("meaty", changes=False), "It is made of meat."),
     ]
 

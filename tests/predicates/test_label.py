@@ -11,10 +11,7 @@ import pytest
 
 from pix2pred.predicates import Labeller, LabelSettings, Occurrence, StateLabels, ground_atoms
 from pix2pred.predicates.prompt import atom_text
-from pix2pred.structs import (
-    Demo,
-    Label,
-)
+from pix2pred.structs import Demo, Label
 from pix2pred.vlm import Answer, Finish, Purpose, Request, Token
 from predicates.scripted import COOKED, OBJECTS, P1, P2, UNDER, Script, ScriptedVLM, demo
 

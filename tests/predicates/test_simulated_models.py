@@ -6,14 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from pix2pred.predicates import (
-    LabelProtocol,
-    LabelSettings,
-    ProposalSettings,
-    StateLabels,
-    ground_atoms,
-    labeller_for,
-)
+from pix2pred.predicates import LabelProtocol, LabelSettings, ProposalSettings, StateLabels, ground_atoms, labeller_for
 from pix2pred.predicates.frugal.proposing import lift_words, propose_words
 from pix2pred.structs import FromVLM, Predicate
 from pix2pred.structs.views import View

@@ -5,16 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pix2pred.predicates import Abstraction, Labeller, LabelSettings, Occurrence, ground_atoms, label_demos
-from pix2pred.structs import (
-    Candidate,
-    FromFeatures,
-    FromSkills,
-    FromVLM,
-    Label,
-    Predicate,
-    SkillTrigger,
-    State,
-)
+from pix2pred.structs import Candidate, FromFeatures, FromSkills, FromVLM, Label, Predicate, SkillTrigger, State
 from pix2pred.system.progress import Stage
 from pix2pred.vlm import Together
 from predicates.scripted import COOKED, HOLDING, ITEM, OBJECTS, P1, P2, POOL, ROBOT, UNDER, R, ScriptedVLM, demo, state

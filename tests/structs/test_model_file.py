@@ -41,10 +41,7 @@ INITIAL = (
     Predicate("Full", (CUP,), FromHuman()),
     Predicate("Held", (CUP,), FromSkills((SkillTrigger("Pick", (1,)),), (SkillTrigger("Push", (0,)),), True)),
 )
-SELECTED = (
-    Predicate("Hot0", (CUP,), FromVLM("Hot")),
-    Predicate("[x<=0.5]", (CUP,), FromFeatures("(<= cup.x 0.5)")),
-)
+SELECTED = (Predicate("Hot0", (CUP,), FromVLM("Hot")), Predicate("[x<=0.5]", (CUP,), FromFeatures("(<= cup.x 0.5)")))
 PICK, PUSH = Skill("Pick", (ROBOT, CUP)), Skill("Push", (CUP,), (-0.1, 0.0), (1 / 3, 1e-9))
 R, X, Y = Variable("?r", ROBOT), Variable("?x", CUP), Variable("?y", THING)
 ON = LiftedAtom(INITIAL[0], (X, Y))

@@ -10,6 +10,7 @@ import time
 import urllib.request
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -66,3 +67,16 @@ def view(shade: int, t: int) -> View:
 
 
 REQUEST = Request(Purpose.LABEL, ("Before and after:", view(20, 0), view(220, 1), "\nPredicates:\nlit(a)"), 24)
+
+
+def check_usage_and_pictures(url: str) -> None:
+    """Answers come back with usage, are the same when asked again, and depend on every picture."""
+    vlm = ask(url)
+    answer = vlm.answer(REQUEST)
+    assert answer.text and answer.spent.output_tokens > 0 and answer.spent.input_tokens > 40
+    assert vlm.answer(REQUEST).text == answer.text, "greedy"
+    others = [
+        replace(REQUEST, parts=("Before and after:", first, second, REQUEST.parts[-1]))
+        for first, second in ((view(220, 0), view(220, 1)), (view(20, 0), view(20, 1)), (view(220, 1), view(20, 0)))
+    ]
+    assert len({answer.text, *(vlm.answer(r).text for r in others)}) >= 3

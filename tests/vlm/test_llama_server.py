@@ -11,7 +11,7 @@ import pytest
 
 from extras import need
 from pix2pred.vlm import Finish, NoAnswerError
-from vlm.real_servers import REQUEST, ask, serving, view
+from vlm.real_servers import REQUEST, ask, check_usage_and_pictures, serving, view
 
 pytestmark = need("xllamacpp", "gguf", extra="servers")
 SERVE = Path(__file__).with_name("tiny_gguf.py")
@@ -31,15 +31,7 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 def test_answers_come_back_with_usage_and_depend_on_every_picture(url: str) -> None:
-    vlm = ask(url)
-    answer = vlm.answer(REQUEST)
-    assert answer.text and answer.spent.output_tokens > 0 and answer.spent.input_tokens > 40
-    assert vlm.answer(REQUEST).text == answer.text, "greedy"
-    others = [
-        replace(REQUEST, parts=("Before and after:", first, second, REQUEST.parts[-1]))
-        for first, second in ((view(220, 0), view(220, 1)), (view(20, 0), view(20, 1)), (view(220, 1), view(20, 0)))
-    ]
-    assert len({answer.text, *(vlm.answer(r).text for r in others)}) >= 3
+    check_usage_and_pictures(url)
 
 
 def test_an_answer_cut_short_by_its_budget_says_so(url: str) -> None:

@@ -17,7 +17,7 @@ import pytest
 
 from extras import need
 from pix2pred.vlm import NoAnswerError, VLMError
-from vlm.real_servers import QUIET, REQUEST, ask, serving, view
+from vlm.real_servers import QUIET, REQUEST, ask, check_usage_and_pictures, serving
 
 pytestmark = need("torch", "transformers", "fastapi", "uvicorn", extra="servers")
 BUILD = Path(__file__).with_name("tiny_model.py")
@@ -34,16 +34,7 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 def test_answers_come_back_with_usage_and_depend_on_every_picture(url: str) -> None:
-    vlm = ask(url)
-    answer = vlm.answer(REQUEST)
-    assert answer.text and answer.spent.output_tokens > 0 and answer.spent.input_tokens > 40
-    assert vlm.answer(REQUEST).text == answer.text, "greedy"
-    others = [
-        replace(REQUEST, parts=("Before and after:", view(220, 0), view(220, 1), REQUEST.parts[-1])),
-        replace(REQUEST, parts=("Before and after:", view(20, 0), view(20, 1), REQUEST.parts[-1])),
-        replace(REQUEST, parts=("Before and after:", view(220, 1), view(20, 0), REQUEST.parts[-1])),
-    ]
-    assert len({answer.text, *(vlm.answer(r).text for r in others)}) >= 3
+    check_usage_and_pictures(url)
 
 
 def test_what_the_server_ignores_silently_does_no_harm(url: str) -> None:

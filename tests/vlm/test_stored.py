@@ -24,11 +24,7 @@ from pix2pred.vlm import (
 )
 
 REQUEST = Request(Purpose.LABEL, ("Is it?",), 10, logprobs=True)
-RICH = Answer(
-    "True",
-    tokens=(Token("True", (("True", -0.1), ("False", -2.5))),),
-    spent=Spent(12, 3, 0.25),
-)
+RICH = Answer("True", tokens=(Token("True", (("True", -0.1), ("False", -2.5))),), spent=Spent(12, 3, 0.25))
 
 
 @dataclass

@@ -10,29 +10,11 @@ import numpy as np
 
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.execution.explaining.replayed_demos import TruthInDemo
-from pix2pred.pipeline import (
-    Chooser,
-    Learned,
-    LearningProblem,
-    Pool,
-    PoolMaker,
-    Selected,
-    climb,
-    fit_samplers,
-    learn,
-)
+from pix2pred.pipeline import Chooser, Learned, LearningProblem, Pool, PoolMaker, Selected, climb, fit_samplers, learn
 from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import labeller_for
 from pix2pred.settings import Settings
-from pix2pred.structs import (
-    Episode,
-    FromVLM,
-    Label,
-    LabelledDemo,
-    Task,
-    TruthTable,
-    WorldModel,
-)
+from pix2pred.structs import Episode, FromVLM, Label, LabelledDemo, Task, TruthTable, WorldModel
 from pix2pred.structs.environment import Environment
 from pix2pred.system.progress import silent
 from pix2pred.vlm import Together

@@ -12,10 +12,7 @@ from pix2pred.system.progress import Progress, Stage, silent
 
 
 def keep_all(
-    table: TruthTable,
-    settings: LearningSettings,
-    progress: Progress = silent,
-    pinned: Sequence[Predicate] = (),
+    table: TruthTable, settings: LearningSettings, progress: Progress = silent, pinned: Sequence[Predicate] = ()
 ) -> Selection:
     """Every candidate that is true at least once, and the operators learned with all of them."""
     everything = tuple(c.predicate for c in table.candidates())

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from pix2pred.predicates.proposing.propose import Rejection
 from pix2pred.structs import Type
 
 _BLOCK = re.compile(r"^```[a-zA-Z]*[ \t]*\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -19,7 +20,10 @@ _PREDICATE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class CodePredicate:
-    """A predicate as a model wrote it; ``function`` is what ``source`` calls its classifier."""
+    """A predicate as a model wrote it.
+
+    ``types`` are those of its arguments. ``source`` is Python that defines its classifier, called ``function``.
+    """
 
     name: str
     types: tuple[Type, ...]
@@ -27,32 +31,22 @@ class CodePredicate:
     source: str
 
 
-@dataclass(frozen=True, slots=True)
-class RejectedBlock:
-    """A block that gave no predicate, and why."""
-
-    source: str
-    reason: str
-
-
-def parse_code(answer: str, types: Mapping[str, Type]) -> tuple[list[CodePredicate], list[RejectedBlock]]:
+def parse_code(answer: str, types: Mapping[str, Type]) -> tuple[list[CodePredicate], list[Rejection]]:
     """The predicates of the fenced blocks, in order, and the blocks that hold none."""
     found: list[CodePredicate] = []
-    rejected: list[RejectedBlock] = []
+    rejected: list[Rejection] = []
     for match in _BLOCK.finditer(answer.replace("\r\n", "\n")):
         source = match[1]
         header = _PREDICATE.search(source)
         if header is None or not all(header[name].isidentifier() for name in ("variable", "name", "function")):
-            rejected.append(
-                RejectedBlock(source, 'no predicate is assigned: Name = Predicate("Name", [types], function)')
-            )
+            rejected.append(Rejection(source, 'no predicate is assigned: Name = Predicate("Name", [types], function)'))
             continue
         names = [t.strip().strip("\"'") for t in header["types"].split(",") if t.strip()]
         unknown = [n for n in names if n not in types]
         if unknown:
-            rejected.append(RejectedBlock(source, f"no type is called {unknown[0]!r}"))
+            rejected.append(Rejection(source, f"no type is called {unknown[0]!r}"))
         elif not names:
-            rejected.append(RejectedBlock(source, "the predicate has no argument"))
+            rejected.append(Rejection(source, "the predicate has no argument"))
         else:
             found.append(CodePredicate(header["name"], tuple(types[n] for n in names), header["function"], source))
     return found, rejected

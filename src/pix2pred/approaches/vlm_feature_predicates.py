@@ -12,13 +12,14 @@ from itertools import chain
 from typing import Any
 
 from pix2pred.approaches.approach import ModelAgent, Training
-from pix2pred.approaches.parse_code import CodePredicate, RejectedBlock, distinct, parse_code
+from pix2pred.approaches.parse_code import CodePredicate, distinct, parse_code
 from pix2pred.approaches.sandbox import CodeError, SandboxLimits, run_classifier
 from pix2pred.approaches.vila import ROOM, type_lines
 from pix2pred.execution import TruthOf
 from pix2pred.pipeline import LearningProblem, Pool, climb, learn
 from pix2pred.predicates import ground_atoms
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
+from pix2pred.predicates.proposing.propose import Rejection
 from pix2pred.structs import (
     Atom,
     Candidate,
@@ -46,7 +47,7 @@ class CodePool:
     """Predicates that work on all demonstrations, with their code, and what was rejected and why."""
 
     code: Mapping[Predicate, CodePredicate]
-    rejected: tuple[RejectedBlock, ...]
+    rejected: tuple[Rejection, ...]
 
     def values(self, states: Sequence[State], objects: Sequence[Object], limits: SandboxLimits) -> list[State]:
         """``states`` with the atoms that the classifiers find true among the given ones; failing code finds none."""
@@ -80,7 +81,7 @@ class VLMFeaturePredicates:
         types = {t.name: t for t in problem.vocabulary.types}
         shown = problem.settings.proposal
         written: list[CodePredicate] = []
-        rejected: list[RejectedBlock] = []
+        rejected: list[Rejection] = []
         for i, demo in enumerate(problem.demos):
             problem.progress(Stage.PROPOSE, i, len(problem.demos), demo.name)
             answer = problem.vlm.answer(
@@ -100,7 +101,7 @@ class VLMFeaturePredicates:
                     for d in demos
                 ]
             except CodeError as error:
-                rejected.append(RejectedBlock(one.source, str(error)))
+                rejected.append(Rejection(one.source, str(error)))
                 continue
             taken.add(predicate.name)
             code[predicate] = one

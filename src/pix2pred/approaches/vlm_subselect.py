@@ -17,10 +17,7 @@ from pix2pred.system.progress import Progress, silent
 
 
 def climb_from_visual(
-    table: TruthTable,
-    settings: LearningSettings,
-    progress: Progress = silent,
-    pinned: Sequence[Predicate] = (),
+    table: TruthTable, settings: LearningSettings, progress: Progress = silent, pinned: Sequence[Predicate] = ()
 ) -> Selection:
     """Hill climbing over feature predicates, every visual one among the initial ones."""
     visual = tuple(c.predicate for c in table.pool if isinstance(c.predicate.source, FromVLM))

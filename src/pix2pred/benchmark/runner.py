@@ -21,7 +21,10 @@ ROWS = "rows.jsonl"
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A benchmark run: its folder, suite, model and rows so far."""
+    """A benchmark run as its ``folder`` holds it now.
+
+    ``vlm`` names the model that is asked; ``rows`` are the tries so far, and ``learned`` what each cell learned.
+    """
 
     folder: Path
     suite: Suite

@@ -11,14 +11,7 @@ from cyclopts import Parameter
 from pix2pred.cli.console import bars, counted, err, out, print_json
 from pix2pred.cli.learn import estimated, project_settings
 from pix2pred.cli.ranges import NOT_NEGATIVE, output_folder
-from pix2pred.demos import (
-    Problem,
-    Project,
-    inspect_project,
-    json_schemas,
-    write_project,
-    write_schemas,
-)
+from pix2pred.demos import Problem, Project, inspect_project, json_schemas, write_project, write_schemas
 from pix2pred.pipeline import LearningProblem, finished_before_it_began
 from pix2pred.registry import MODEL_FORMS, Registry, check_family
 from pix2pred.settings import SettingsError

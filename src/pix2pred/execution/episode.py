@@ -58,11 +58,7 @@ class ClosedLoop:
     max_replans: int = MAX_REPLANS
 
     def run(
-        self,
-        plan: Sequence[GroundOperator],
-        perception: Perception,
-        environment: Environment,
-        parameters: Parameters,
+        self, plan: Sequence[GroundOperator], perception: Perception, environment: Environment, parameters: Parameters
     ) -> ExecutionResult:
         """Execute ``plan``, made in the state that ``perception`` holds."""
         steps: list[ExecutedStep] = []

@@ -16,16 +16,7 @@ from enum import StrEnum
 from pix2pred.execution.belief.perception import Perception
 from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.monitor import necessary_atoms
-from pix2pred.structs import (
-    AbstractState,
-    Atom,
-    FromVLM,
-    GroundOperator,
-    PlanResult,
-    PlanStatus,
-    Turn,
-    WhyAsked,
-)
+from pix2pred.structs import AbstractState, Atom, FromVLM, GroundOperator, PlanResult, PlanStatus, Turn, WhyAsked
 
 MAX_REPLANS = 30
 """Plans made after the first; an episode that needs more goes in circles."""

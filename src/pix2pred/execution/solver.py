@@ -53,11 +53,7 @@ class Solver:
         return seen, self.plan_from(task, seen)
 
     def solve(
-        self,
-        task: Task,
-        environment: Environment,
-        truth: TruthOf | None = None,
-        announce: Announce = tell_nobody,
+        self, task: Task, environment: Environment, truth: TruthOf | None = None, announce: Announce = tell_nobody
     ) -> Episode:
         """Plan and execute. ``truth`` knows the true values of visual atoms; it serves only to name a failure.
 

@@ -58,10 +58,7 @@ class IndexedTable:
 
     def __init__(self, table: TruthTable) -> None:
         self.candidates: tuple[Candidate, ...] = table.candidates()
-        self.predicates: tuple[Predicate, ...] = (
-            *sorted(table.initial),
-            *(c.predicate for c in self.candidates),
-        )
+        self.predicates: tuple[Predicate, ...] = (*sorted(table.initial), *(c.predicate for c in self.candidates))
         self.initial = len(table.initial)
         self.objects: tuple[Object, ...] = tuple(sorted({o for demo in table.demos for o in demo.objects}))
         self.skills: tuple[Skill, ...] = tuple(sorted({a.skill for demo in table.demos for a in demo.actions}))

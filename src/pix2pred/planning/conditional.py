@@ -9,7 +9,10 @@ from pix2pred.planning.strips import Relaxed, Strips
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """What an operator adds and deletes besides, if ``facts`` held before. Masks, as everywhere."""
+    """What an operator adds and deletes besides, if all of ``facts`` held before it.
+
+    Sets of facts are bits of an int, as everywhere in this room.
+    """
 
     facts: int
     add: int

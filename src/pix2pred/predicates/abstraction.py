@@ -8,15 +8,7 @@ from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.labelling.asking import Occurrence
 from pix2pred.predicates.labelling.state_labels import StateLabeller, StateLabels, StepToLabel, UnusableAnswersError
 from pix2pred.predicates.labelling.table import ground_atoms
-from pix2pred.structs import (
-    AbstractState,
-    Action,
-    Atom,
-    Label,
-    Object,
-    Predicate,
-    State,
-)
+from pix2pred.structs import AbstractState, Action, Atom, Label, Object, Predicate, State
 
 
 class Abstraction:

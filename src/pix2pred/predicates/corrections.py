@@ -98,11 +98,7 @@ class Corrections:
         return seen[-1]
 
     def _demo(
-        self,
-        demo: LabelledDemo,
-        predicates: dict[str, Predicate],
-        kept: dict[str, str],
-        final: dict[str, Predicate],
+        self, demo: LabelledDemo, predicates: dict[str, Predicate], kept: dict[str, str], final: dict[str, Predicate]
     ) -> LabelledDemo:
         demo = self._relabelled(demo, predicates)
         column = {(a.predicate.name, a.objects): i for i, a in enumerate(demo.atoms)}

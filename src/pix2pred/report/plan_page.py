@@ -21,14 +21,7 @@ from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import draw_view, skill_crop
 from pix2pred.report.page import asset, environment
 from pix2pred.runs.verdict import doubts_about
-from pix2pred.structs import (
-    Atom,
-    FromVLM,
-    GroundOperator,
-    Label,
-    PlanStatus,
-    State,
-)
+from pix2pred.structs import Atom, FromVLM, GroundOperator, Label, PlanStatus, State
 from pix2pred.structs.plans import Change, effects
 from pix2pred.structs.predicates import source_name
 from pix2pred.structs.states import Pixels

@@ -13,20 +13,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from pix2pred.predicates import CORRECTIONS, Corrections, CorrectionsError
-from pix2pred.predicates.correction_rows import (
-    LabelRow,
-    MeaningRow,
-    MergeRow,
-    RenameRow,
-    Row,
-    StandingRow,
-    row_line,
-)
+from pix2pred.predicates.correction_rows import LabelRow, MeaningRow, MergeRow, RenameRow, Row, StandingRow, row_line
 from pix2pred.predicates.correction_rows import read_rows as read
-from pix2pred.structs import (
-    Label,
-    TruthTable,
-)
+from pix2pred.structs import Label, TruthTable
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.files import refuse_irregular
 from pix2pred.system.locks import held

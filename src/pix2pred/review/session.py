@@ -45,10 +45,7 @@ class Session:
         corrections = Corrections.of(rows)
         with self._lock:
             learning = {"running": self._learning, "error": self._error, "version": self._learned}
-        return {
-            "corrections": as_json(corrections),
-            "learning": learning,
-        }
+        return {"corrections": as_json(corrections), "learning": learning}
 
     def correct(self, body: Any) -> dict[str, Any]:
         """Append the rows in ``body``, dated now; gives the new state."""

@@ -59,7 +59,10 @@ def _row(folder: Path) -> RunRow | None:
 
 @dataclass(frozen=True, slots=True)
 class LabelCount:
-    """A predicate, how many of its labels both runs have, how many differ, and one that does."""
+    """How the labels of one predicate differ between two runs.
+
+    ``labels`` counts those that both have, ``differ`` those of them that are not equal; ``example`` is one in words.
+    """
 
     predicate: str
     labels: int

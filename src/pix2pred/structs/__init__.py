@@ -3,16 +3,7 @@
 from pix2pred.structs.demos import Demo, Task, Vocabulary
 from pix2pred.structs.objects import Object, Type, Variable, count_groundings, groundings
 from pix2pred.structs.operators import GroundOperator, Operator
-from pix2pred.structs.plans import (
-    Episode,
-    ExecutedStep,
-    Failure,
-    PlanResult,
-    PlanStatus,
-    Question,
-    Turn,
-    WhyAsked,
-)
+from pix2pred.structs.plans import Episode, ExecutedStep, Failure, PlanResult, PlanStatus, Question, Turn, WhyAsked
 from pix2pred.structs.predicates import (
     Application,
     Atom,
@@ -28,13 +19,7 @@ from pix2pred.structs.predicates import (
 )
 from pix2pred.structs.skills import Action, Skill
 from pix2pred.structs.states import AbstractState, Box, Image, Picture, PictureError, Pixels, State
-from pix2pred.structs.truth_table import (
-    Candidate,
-    Label,
-    LabelledDemo,
-    TruthTable,
-    unknown_as_false,
-)
+from pix2pred.structs.truth_table import Candidate, Label, LabelledDemo, TruthTable, unknown_as_false
 from pix2pred.structs.world_model import WorldModel
 
 __all__ = [

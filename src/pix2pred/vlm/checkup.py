@@ -28,7 +28,10 @@ _WORD = "heliotrope"
 
 @dataclass(frozen=True, slots=True)
 class Trait:
-    """Something that was found out: whether it is as a run needs it, and the setting that follows, if any."""
+    """Something that was found out about a model.
+
+    ``ok`` says whether it is as a run needs it, ``setting`` what to put into a project's settings, if anything.
+    """
 
     what: str
     ok: bool

@@ -19,11 +19,7 @@ from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Application, Demo, State
 from pix2pred.structs.environment import Domain, SimulatedTask, StepStatus
 
-LENGTHS = {
-    "more-stacks": [14] + [7] * 11,
-    "bigger": [7, 10, 10] * 4,
-    "combo": [7, 7, 9, 5] * 3,
-}
+LENGTHS = {"more-stacks": [14] + [7] * 11, "bigger": [7, 10, 10] * 4, "combo": [7, 7, 9, 5] * 3}
 
 
 def test_it_is_a_domain() -> None:

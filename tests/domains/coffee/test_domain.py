@@ -125,8 +125,7 @@ def test_damaged_simulator_states_are_refused(task: SimulatedTask, damage: dict[
 
 
 @pytest.mark.parametrize(
-    ("path", "value"),
-    [(("jug", "level"), 99.0), (("jug", "at"), [0.1, float("nan"), 0.2]), (("robot", "at"), [1.0])],
+    ("path", "value"), [(("jug", "level"), 99.0), (("jug", "at"), [0.1, float("nan"), 0.2]), (("robot", "at"), [1.0])]
 )
 def test_impossible_worlds_are_refused(path: tuple[str, str], value: object) -> None:
     world = initial_world(2, scene_generator(0, Split.TASKS, 3, 0)).to_dict()

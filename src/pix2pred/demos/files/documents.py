@@ -49,8 +49,7 @@ def _form(value: object) -> str:
 
 
 Objects = Annotated[
-    Annotated[tuple[str, ...], Tag("<list>")] | Annotated[dict[Name, ObjectDoc], Tag("<mapping>")],
-    Discriminator(_form),
+    Annotated[tuple[str, ...], Tag("<list>")] | Annotated[dict[Name, ObjectDoc], Tag("<mapping>")], Discriminator(_form)
 ]
 """Names declared in ``domain.yaml``, or a mapping of names to type and descriptor."""
 

@@ -64,7 +64,10 @@ class InfoDoc(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class CameraColumn:
-    """A column of pictures: its name there, the name it gets here, and whether it is kept as video."""
+    """A column of pictures.
+
+    ``key`` is its name in the data set, ``name`` that of the camera here; where ``is_video``, films hold it.
+    """
 
     key: str
     name: str
@@ -89,7 +92,10 @@ class Info:
 
 @dataclass(frozen=True, slots=True)
 class RecordedEpisode:
-    """An episode: its number, its frames, its tasks in words, and the row that says where it lies."""
+    """An episode of the data set.
+
+    ``length`` counts its frames, ``tasks`` are in words, and ``row`` is the table row that says where its files lie.
+    """
 
     number: int
     length: int

@@ -67,7 +67,10 @@ def _video_of(segment: Segment, source: Path, videos: Sequence[Path], found: lis
 
 @dataclass(frozen=True, slots=True)
 class _Frames:
-    """The frames that show the states of a segment."""
+    """The frames of the film ``path`` that show the states of a segment, at ``moments`` in seconds.
+
+    They are made smaller until the longer side has ``max_side`` pixels.
+    """
 
     path: Path
     root: Path

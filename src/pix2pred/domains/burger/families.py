@@ -47,7 +47,10 @@ class BurgerRecipe:
 
 @dataclass(frozen=True, slots=True)
 class TaskKinds:
-    """The two kinds of test task: hand free and holding a raw patty at the start."""
+    """The two kinds of test task of a family.
+
+    The robot starts with its hand ``free``, or ``holding`` a raw patty.
+    """
 
     free: BurgerRecipe
     holding: BurgerRecipe

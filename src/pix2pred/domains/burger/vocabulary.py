@@ -26,9 +26,7 @@ TYPES = (
 TYPE_OF: Mapping[str, Type] = {t.name: t for t in TYPES}
 
 PICK = Skill(
-    "Pick",
-    (ROBOT, ITEM),
-    description="The robot goes to an item on which nothing lies and takes it in its empty hand.",
+    "Pick", (ROBOT, ITEM), description="The robot goes to an item on which nothing lies and takes it in its empty hand."
 )
 PLACE = Skill(
     "Place",
@@ -36,9 +34,7 @@ PLACE = Skill(
     description="The robot puts the item it holds on top of an object on which nothing lies.",
 )
 COOK = Skill(
-    "Cook",
-    (ROBOT, PATTY, GRILL),
-    description="The robot, its hand empty, cooks a patty that lies on the grill.",
+    "Cook", (ROBOT, PATTY, GRILL), description="The robot, its hand empty, cooks a patty that lies on the grill."
 )
 CHOP = Skill(
     "Chop",

@@ -13,16 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pix2pred.domains.coffee.simulation.geometry import (
-    CUP_HEIGHT,
-    FULL_JUG,
-    GRIP,
-    PLATE,
-    SPOUT,
-    TABLE_Z,
-    Point,
-    turned,
-)
+from pix2pred.domains.coffee.simulation.geometry import CUP_HEIGHT, FULL_JUG, GRIP, PLATE, SPOUT, TABLE_Z, Point, turned
 
 TARGET_SHARE = 0.75
 """A cup is filled when it holds more than this share of its capacity."""

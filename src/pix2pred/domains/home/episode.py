@@ -35,10 +35,7 @@ class Rules:
     """What a home domain is made of: types, skills and what they do, given predicates and when they hold."""
 
     def __init__(
-        self,
-        types: Sequence[Type],
-        skills: Mapping[Skill, Behaviour],
-        given: Mapping[Predicate, Classifier],
+        self, types: Sequence[Type], skills: Mapping[Skill, Behaviour], given: Mapping[Predicate, Classifier]
     ) -> None:
         self.types = {t.name: t for t in types}
         self.skills = {s.name: s for s in skills}

@@ -8,13 +8,7 @@ from pix2pred.domains.home.conditions import hand_is_empty, holds, within_reach
 from pix2pred.domains.home.drawing.movables import KINDS
 from pix2pred.domains.home.drawing.vessels import HOPPER_RADIUS, HOPPER_TOP, RIND_PLACE
 from pix2pred.domains.home.episode import SkillFailedError
-from pix2pred.domains.home.places import (
-    Region,
-    hopper_contents,
-    in_hopper,
-    in_region,
-    region_middle,
-)
+from pix2pred.domains.home.places import Region, hopper_contents, in_hopper, in_region, region_middle
 from pix2pred.domains.home.settling import let_go, rise_of
 from pix2pred.domains.home.world import Thing, World
 

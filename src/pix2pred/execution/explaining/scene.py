@@ -14,15 +14,7 @@ from pix2pred.execution.solver import Solver
 from pix2pred.predicates import StateLabels
 from pix2pred.predicates.labelling.explanations import explanations
 from pix2pred.predicates.prompt import atom_text
-from pix2pred.structs import (
-    AbstractState,
-    Atom,
-    FromDomain,
-    FromHuman,
-    PlanResult,
-    PlanStatus,
-    Task,
-)
+from pix2pred.structs import AbstractState, Atom, FromDomain, FromHuman, PlanResult, PlanStatus, Task
 
 
 @dataclass(frozen=True)

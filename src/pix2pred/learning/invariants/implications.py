@@ -95,11 +95,7 @@ def _bound(atom: LiftedAtom, binding: Mapping[Variable, Variable]) -> LiftedAtom
 
 
 def _premise_gone(
-    premise: LiftedAtom,
-    conclusion: LiftedAtom,
-    deleted: LiftedAtom,
-    operator: Operator,
-    groups: Sequence[MutexGroup],
+    premise: LiftedAtom, conclusion: LiftedAtom, deleted: LiftedAtom, operator: Operator, groups: Sequence[MutexGroup]
 ) -> bool:
     """Whether no instance of ``premise`` can hold after ``operator`` has deleted its conclusion ``deleted``."""
     binding = dict(zip(conclusion.variables, deleted.variables, strict=True))

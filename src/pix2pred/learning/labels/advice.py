@@ -27,14 +27,7 @@ from pix2pred.learning.settings import LearningSettings
 from pix2pred.learning.strategies import climbing
 from pix2pred.learning.transitions import Extension, IndexedTable
 from pix2pred.planning import Strips
-from pix2pred.structs import (
-    Atom,
-    Label,
-    LabelledDemo,
-    Predicate,
-    TruthTable,
-    Type,
-)
+from pix2pred.structs import Atom, Label, LabelledDemo, Predicate, TruthTable, Type
 
 MOST_CONSIDERED = 40
 """Labels of which is computed what they do to operators and J; the rest follow by how probably they are wrong."""
@@ -55,17 +48,17 @@ class LabelAdvice:
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """Predicates that the most probable model selects, and labels to check, the most useful first."""
+    """What a person should look at.
+
+    ``predicates`` are those of the most probable model; ``labels`` are to be checked, the most useful first.
+    """
 
     predicates: tuple[Predicate, ...]
     labels: tuple[LabelAdvice, ...]
 
 
 def advise(
-    table: TruthTable,
-    settings: LearningSettings,
-    pinned: Sequence[Predicate] = (),
-    selected: Sequence[Predicate] = (),
+    table: TruthTable, settings: LearningSettings, pinned: Sequence[Predicate] = (), selected: Sequence[Predicate] = ()
 ) -> Advice:
     """The most probable model's predicates and their labels to check; after these come doubts about ``selected``."""
     published = climbing(settings.model_copy(update={"operators": "cluster-and-intersect"}))

@@ -24,7 +24,11 @@ MOST_NEGATIVES = 100_000
 
 @dataclass(frozen=True, slots=True)
 class SamplerData:
-    """Inputs (features of the objects an operator is bound to) and parameters, one row per example."""
+    """The examples that a sampler is fitted to, one row each.
+
+    A row of ``inputs`` holds the features of the objects that the operator is bound to, the same row of ``params`` the
+    skill's continuous parameters that worked there. ``bad_inputs`` and ``bad_params`` are what did not work.
+    """
 
     inputs: Rows
     params: Rows
@@ -34,7 +38,10 @@ class SamplerData:
 
 @dataclass(frozen=True, slots=True)
 class _Tried:
-    """One run of a skill: where, with what, and what changed."""
+    """One run of a skill: the scene before it, the ``action``, and the atoms that it ``added`` and ``deleted``.
+
+    ``objects`` are all of the scene, ``features`` what is measured of them, ``before`` the atoms that were true.
+    """
 
     features: Features
     objects: tuple[Object, ...]

@@ -32,7 +32,10 @@ class ClimbEnd(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RunnerUp:
-    """A candidate of a step and its J, or a lower bound on it when ``exact`` is False."""
+    """A candidate that a step considered and did not take.
+
+    ``j`` is the objective with it, or a lower bound on that when ``exact`` is False.
+    """
 
     predicate: Predicate
     j: float

@@ -114,7 +114,10 @@ class Effect:
 
 @dataclass(frozen=True, slots=True)
 class FunctionValue:
-    """The value of a static function for terms."""
+    """The value of a static function for ``terms``, which are variables and constants.
+
+    It is the same in all states, so that it is known once the variables are bound.
+    """
 
     function: str
     terms: tuple[str, ...]

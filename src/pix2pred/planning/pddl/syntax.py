@@ -38,7 +38,10 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """A parenthesised list and where it opens."""
+    """A list in parentheses.
+
+    ``at`` is the place of the opening one.
+    """
 
     items: tuple[Word | Group, ...]
     at: Place

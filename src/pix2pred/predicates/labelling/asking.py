@@ -51,7 +51,10 @@ MakeQuestion = Callable[[Sequence[Atom]], tuple[Part, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """Atoms that got no value, and why."""
+    """Atoms, as texts, that got no value.
+
+    ``about`` names demonstration and state, ``purpose`` the step that asked; ``reason`` is for people.
+    """
 
     about: str
     purpose: Purpose

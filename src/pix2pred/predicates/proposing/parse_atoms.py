@@ -14,7 +14,10 @@ _MARKUP = re.compile(r"[\\`*]")
 
 @dataclass(frozen=True, slots=True)
 class Mention:
-    """``name(args)`` as found in a text; ``start`` and ``end`` are its place in the cleaned text."""
+    """``name(args)`` as found in a text.
+
+    ``start`` and ``end`` number its first character and the one after its last in the cleaned text.
+    """
 
     name: str
     args: tuple[str, ...]

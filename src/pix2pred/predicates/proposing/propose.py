@@ -53,7 +53,10 @@ class ProposedAtom:
 
 @dataclass(frozen=True, slots=True)
 class Rejection:
-    """A proposed atom that was not used, and why."""
+    """Something proposed that is not used.
+
+    ``text`` is as the model wrote it, ``reason`` says for people what is wrong with it.
+    """
 
     text: str
     reason: str
@@ -184,11 +187,7 @@ def answered_proposal(
 
 
 def proposal_request(
-    demo: Demo,
-    settings: ProposalSettings,
-    attempt: int = 0,
-    budget: int = ANSWER_TOKENS,
-    part: range | None = None,
+    demo: Demo, settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS, part: range | None = None
 ) -> Request:
     """The query about one demonstration, or the states ``part`` of it: instruction, objects, actions, pictures."""
     times = range(len(demo.states)) if part is None else part

@@ -12,10 +12,7 @@ import numpy as np
 
 from pix2pred.learning import SupportKind
 from pix2pred.report.contents import Contents
-from pix2pred.structs import (
-    Label,
-    LabelledDemo,
-)
+from pix2pred.structs import Label, LabelledDemo
 
 MOST = 60
 """Timelines shown."""

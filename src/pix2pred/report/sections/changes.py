@@ -12,7 +12,10 @@ from pix2pred.report.contents import Contents
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """The result with the first ``corrections`` corrections."""
+    """What was learned with the first ``corrections`` corrections of a person.
+
+    ``selected`` names the predicates, ``operators`` counts; ``j`` and ``evaluations`` are those of its climb.
+    """
 
     corrections: int
     selected: tuple[str, ...]
@@ -23,7 +26,11 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """All versions, the operators that the last learning gained and lost, and every correction."""
+    """What became of a person's corrections, version by version.
+
+    ``gained`` and ``lost`` name operators of the last learning against the one before; ``rows`` are the corrections as
+    cells of a table, of which the last ``waiting`` were not learned from yet.
+    """
 
     versions: tuple[Version, ...]
     gained: tuple[str, ...]

@@ -21,7 +21,10 @@ SLOTS_PER_OPERATOR = 0.8
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """An operator's box; (x, y) is its upper left corner."""
+    """The box of an operator, called ``name``, of a ``skill``.
+
+    ``x`` and ``y`` are its upper left corner in pixels.
+    """
 
     name: str
     skill: str
@@ -42,7 +45,10 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """The drawing, with its size in pixels."""
+    """The drawing: a box for every operator and a curve wherever one makes true what another needs.
+
+    ``width`` and ``height`` are in pixels.
+    """
 
     nodes: tuple[Node, ...]
     links: tuple[Link, ...]

@@ -8,11 +8,7 @@ from dataclasses import dataclass
 from pix2pred.report.contents import Contents
 from pix2pred.report.sections.curve import j_text
 from pix2pred.report.sections.wording import meaning
-from pix2pred.structs import (
-    FromVLM,
-    Label,
-    Predicate,
-)
+from pix2pred.structs import FromVLM, Label, Predicate
 from pix2pred.structs.predicates import source_name
 
 ORDER = ("selected", "dropped", "same", "runner-up", "candidate", "never true", "merged", "banned")

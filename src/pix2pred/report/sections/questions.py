@@ -18,7 +18,10 @@ LONGEST = 20_000
 
 @dataclass(frozen=True, slots=True)
 class ShownQuestion:
-    """A prompt, its answer, what it was for, and where: ``demo, state``."""
+    """A question as the page shows it: the ``prompt`` without its pictures, and the ``answer``.
+
+    ``key`` is that of the answer store, ``purpose`` the step that asked, ``about`` the demonstration and state.
+    """
 
     key: str
     purpose: str

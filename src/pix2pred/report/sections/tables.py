@@ -10,12 +10,7 @@ from pix2pred.predicates.labelling.evidence import PictureDoc
 from pix2pred.report.contents import Contents
 from pix2pred.report.pictures import Album
 from pix2pred.report.sections.attention import Suspicion
-from pix2pred.structs import (
-    Label,
-    LabelledDemo,
-    Predicate,
-    TruthTable,
-)
+from pix2pred.structs import Label, LabelledDemo, Predicate, TruthTable
 from pix2pred.structs.predicates import FromVLM, source_name
 
 _LETTERS = {Label.TRUE: "1", Label.FALSE: "0", Label.UNKNOWN: "?"}

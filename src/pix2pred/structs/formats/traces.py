@@ -16,17 +16,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
-from pix2pred.structs import (
-    Action,
-    Atom,
-    Candidate,
-    Label,
-    LabelledDemo,
-    Object,
-    Predicate,
-    TruthTable,
-    Vocabulary,
-)
+from pix2pred.structs import Action, Atom, Candidate, Label, LabelledDemo, Object, Predicate, TruthTable, Vocabulary
 from pix2pred.structs.formats.building import build_predicate, build_skill, build_types
 from pix2pred.structs.formats.documents import Document, Name, ObjectDoc, PredicateDoc, SkillDoc, TypeDoc
 from pix2pred.structs.formats.names import DeclaredNames

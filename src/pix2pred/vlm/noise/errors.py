@@ -19,7 +19,10 @@ _ACTION = re.compile(r"^Executed skill: \w+\[(.*)\]$", re.MULTILINE)
 
 @dataclass(frozen=True, slots=True)
 class WantedLabel:
-    """A label to be given: of which word and objects, in which question, about which picture of which state."""
+    """A label to be given, of ``word`` and the objects called ``names``.
+
+    ``question`` is the key of the request, ``picture`` the digest of the first picture of the state numbered ``state``.
+    """
 
     word: str
     names: tuple[str, ...]

@@ -179,9 +179,7 @@ class ReaderModel:
         return (True if p >= sure else False if p <= 1 - sure else None), p
 
 
-def unpack(
-    table: Mapping[str, Array],
-) -> tuple[dict[str, Projection], dict[tuple[str, ...], Classifier]]:
+def unpack(table: Mapping[str, Array]) -> tuple[dict[str, Projection], dict[tuple[str, ...], Classifier]]:
     """Arrays named ``projection|type|part`` and ``classifier|concept|types...|part`` as objects."""
     projections: dict[str, Projection] = {}
     classifiers: dict[tuple[str, ...], Classifier] = {}

@@ -34,7 +34,10 @@ class AskedAtom:
 
 @dataclass(frozen=True, slots=True)
 class KnownWord:
-    """A word a model can propose for arguments of ``types``; words of one ``group`` mean the same or the opposite."""
+    """A word that a model can propose for arguments of ``types``.
+
+    Words of one ``group`` mean the same, or the opposite where ``negated`` differs.
+    """
 
     word: str
     types: tuple[str, ...]

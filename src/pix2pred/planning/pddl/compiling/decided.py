@@ -24,7 +24,10 @@ _STANDING_FOR = -1
 
 @dataclass(frozen=True, slots=True)
 class GroundRule:
-    """A fact that follows from literals."""
+    """A rule without variables: ``head`` is true in every state in which all literals of ``body`` hold.
+
+    Rules with one head are alternatives.
+    """
 
     body: Conjunction
     head: Fact
@@ -58,10 +61,7 @@ class Decider:
     def fact(self, literal: Literal, env: Mapping[str, int]) -> Fact:
         """The fact that ``literal`` is about when its variables are the objects of ``env``."""
         known = self._numbers.object
-        return (
-            self._numbers.predicate(literal.predicate),
-            *(env[t] if t in env else known[t] for t in literal.terms),
-        )
+        return (self._numbers.predicate(literal.predicate), *(env[t] if t in env else known[t] for t in literal.terms))
 
     def never_changes(self, fact: Fact) -> bool:
         """Whether ``fact`` is as it was in the beginning, whatever is done."""

@@ -45,7 +45,10 @@ def ground_pddl(domain: PddlDomain, problem: PddlProblem, budget: int = DEFAULT_
 
 @dataclass(frozen=True, slots=True)
 class _EffectSplit:
-    """An effect with variables or a condition: its place among all schemas, its schema, and itself."""
+    """An effect with variables or a condition of its own, and the schema that grounds it.
+
+    ``number`` is the place of the schema among all of the task.
+    """
 
     number: int
     split: SplitSchema

@@ -24,7 +24,10 @@ class GroundEffect:
 
 @dataclass(frozen=True, slots=True)
 class GroundOperation:
-    """A ground operator before its facts have bits."""
+    """A ground operator before its facts have bits.
+
+    It may run where ``condition`` holds, has all ``effects`` whose own conditions held then, and costs ``cost``.
+    """
 
     condition: Conjunction
     effects: tuple[GroundEffect, ...]

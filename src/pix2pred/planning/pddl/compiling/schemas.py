@@ -7,16 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from pix2pred.planning.instances import Fact, Schema
-from pix2pred.planning.pddl.formulas import (
-    And,
-    Equality,
-    Formula,
-    Literal,
-    Or,
-    Quantified,
-    TypedName,
-    substituted,
-)
+from pix2pred.planning.pddl.formulas import And, Equality, Formula, Literal, Or, Quantified, TypedName, substituted
 from pix2pred.structs import Type
 
 MAX_ALTERNATIVES = 16
