@@ -12,7 +12,8 @@ from burger_pool import Workload, workload, wrong_labels
 from learning.published import published
 from learning.random_tables import BALL, candidate, demo, given, table
 from pix2pred.learning import LearningSettings, Selection, hill_climbing, learn_operators
-from pix2pred.learning.labels.hidden_markov import EffectKind, HiddenMarkovLabels, LabelPosterior
+from pix2pred.learning.labels.baum_welch import EffectKind
+from pix2pred.learning.labels.hidden_markov import HiddenMarkovLabels, LabelPosterior
 from pix2pred.learning.operators.clustering import partition
 from pix2pred.learning.strategies import operator_learner
 from pix2pred.learning.transitions import IndexedTable

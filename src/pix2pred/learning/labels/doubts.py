@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from itertools import product
 
 from pix2pred.learning.labels.hidden_markov import HiddenMarkovLabels
-from pix2pred.learning.operators.clustering import partition
+from pix2pred.learning.operators.robust_settings import RobustSettings
+from pix2pred.learning.operators.seen_givens import told_apart
 from pix2pred.learning.operators.transition_class import TransitionClass
 from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.structs import (
@@ -70,7 +71,8 @@ def doubted(table: TruthTable, predicates: Iterable[Predicate], *, unusual: bool
     noisy = [i for i, p in enumerate(data.predicates) if p in wanted]
     if not noisy:
         return []
-    classes = partition(data, exact)
+    given = [p for p in range(data.initial) if p not in exact]
+    classes = told_apart(data, exact, given, RobustSettings())
     posterior = HiddenMarkovLabels().fit(data, classes, noisy)
     rare = _unusual(data, classes, noisy) if unusual else {}
     number = {o: i for i, o in enumerate(data.objects)}

@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def forward(like_true: Floats, like_false: Floats, up: Floats, down: Floats) -> Floats:
-    """The probability that every atom is true in every state, given its labels up to this state."""
+def forward(like_true: Floats, like_false: Floats, up: Floats, down: Floats, first: Floats) -> Floats:
+    """The probability that every atom is true in every state, given its labels up to this state.
+
+    ``first`` has the probability that it is true in the first state, before its label is seen.
+    """
     ahead: Floats = np.empty(like_true.shape)
-    prior: Floats | float = 0.5
+    prior = first
     for s in range(like_true.shape[1]):
         if s:
             prior = ahead[:, s - 1] * (1 - down[:, s - 1]) + (1 - ahead[:, s - 1]) * up[:, s - 1]

@@ -1,10 +1,11 @@
 """The robust learner: operators from labels that are sometimes wrong (method 5.7).
 
-Transitions are first told apart by the predicates that are taken at their word, the given ones; this partition does not
-depend on the labels of a model. Within it, a hidden Markov model estimates for every other predicate how often its
-labels are wrong and what each class of transitions does to it. A class is split only where a predicate's effect is
-significantly mixed; an atom is a precondition unless the members in which it does not hold are more than its wrong
-labels explain. The shares of the published learner are not used; what was chosen instead is in ``RobustSettings``.
+Transitions are first told apart by the given predicates. Those that a model labels are repaired before
+(``seen_givens.py``); no label of a candidate takes part. Within this partition, a hidden Markov model estimates for
+every other predicate how often its labels are wrong and what each class of transitions does to it. A class is split
+only where a predicate's effect is significantly mixed; an atom is a precondition unless the members in which it does
+not hold are more than its wrong labels explain. The shares of the published learner are not used; what was chosen
+instead is in ``RobustSettings``.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pix2pred.learning.labels.hidden_markov import EffectKind, HiddenMarkovLabels
-from pix2pred.learning.operators.clustering import partition
+from pix2pred.learning.labels.baum_welch import EffectKind
+from pix2pred.learning.labels.hidden_markov import HiddenMarkovLabels
 from pix2pred.learning.operators.lifted_types import fitting
 from pix2pred.learning.operators.robust_settings import RobustSettings
+from pix2pred.learning.operators.seen_givens import told_apart
 from pix2pred.learning.operators.transition_class import (
     Lifted,
     Member,
@@ -40,7 +42,7 @@ class Robust:
     settings: RobustSettings = field(default_factory=RobustSettings)
 
     def fit(self, data: IndexedTable) -> RobustOperators:
-        """Infer the true values of everything that is not taken at its word."""
+        """Infer the true values of everything that a model labelled."""
         return RobustOperators(data, self.settings)
 
 
@@ -52,19 +54,19 @@ class RobustOperators:
         given = range(data.initial)
         self._exact = [p for p in given if not isinstance(data.predicates[p].source, FromVLM)]
         noisy = [p for p in range(len(data.predicates)) if p not in set(self._exact)]
-        self._base = partition(data, self._exact)
+        self._base = told_apart(data, self._exact, [p for p in noisy if p < data.initial], settings)
         self._posterior = HiddenMarkovLabels(settings.labels, settings.roles).fit(data, self._base, noisy)
         self._base_of = {m.transition: c for c, cls in enumerate(self._base) for m in cls.members}
         self.data = data.relabelled(self._posterior.extensions)
         surprise = self._posterior.surprise
         self._usual = float(np.median(list(surprise.values()))) if noisy else 0.0
-        self.unreliable = frozenset(p for p in noisy if surprise[p] > settings.unreliable and p >= data.initial)
+        self.unreliable = frozenset(p for p in surprise if surprise[p] > settings.unreliable and p >= data.initial)
 
     def partition(self, predicates: Sequence[int]) -> Partition:
         classes = self._base
-        seen = [p for p in predicates if p in self._exact]
+        seen = list(range(self.data.initial))
         for p in predicates:
-            if p not in self._exact:
+            if p >= self.data.initial:
                 classes = self.refine(classes, seen, p)
                 seen.append(p)
         return classes

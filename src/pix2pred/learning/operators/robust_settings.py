@@ -28,6 +28,12 @@ class LabelModelSettings(BaseModel):
         description="probability that a transition changes an atom it is not about. Below slip: what a skill does not "
         "touch stays; 0 would forbid what no model foresees",
     )  # fmt: skip
+    unforeseen: float = Field(
+        3e-3, gt=0, lt=0.5,
+        description="probability of a change that no class of transitions shows, while classes are not known yet: "
+        "between a rate of errors of one in a thousand, where such a change is believed, and of one in fifty, where it"
+        " has to be seen twice",
+    )  # fmt: skip
     first_change: float = Field(
         0.2, gt=0, lt=1, description="probability of any change of a transition's own atoms when estimation starts: "
         "anything but 0 and 1, from which expectation maximisation cannot move",
@@ -114,6 +120,46 @@ class LabelModelSettings(BaseModel):
     )
 
 
+class KindSettings(BaseModel):
+    """When a rare kind of transition is taken for a common one with a wrong label (``labels/consistent.py``)."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    imagined_errors: float = Field(
+        0.5, gt=0, description="wrong labels imagined beside those that smoothing found: with imagined_labels, 0.5 %"
+    )
+    imagined_labels: float = Field(100.0, gt=0, description="labels imagined beside those there are")
+    kind_cost: float = Field(
+        1.5, ge=0, description="nats that one more kind of transition costs, beside what its effects do"
+    )
+    effect_cost: float = Field(
+        2.0, ge=0,
+        description="nats for every effect in which a kind differs from another one. With these two a single wrong "
+        "label is preferred to a kind that occurs once if labels are wrong in 1 % or more, and two labels are not",
+    )  # fmt: skip
+    bystander_cost: float = Field(
+        2.0, ge=0, description="nats more for every object of such an effect that is no argument of the skill"
+    )
+    omission: float = Field(
+        0.75, ge=0, le=1,
+        description="what it costs to lack an effect that the other kind has, as a share of what it costs to have one "
+        "more. Below 1, so that of two kinds that differ in an effect the one without it stays",
+    )  # fmt: skip
+    imagined: float = Field(
+        0.5,
+        gt=0,
+        description="transitions of every kind imagined beside those that were counted (Krichevsky and Trofimov 1981)",
+    )
+    least_gain: float = Field(1e-6, gt=0, description="nats below which two descriptions are equally long")
+    common: int = Field(
+        10, ge=1, description="transitions of a kind above which it is no accident, which saves time alone"
+    )
+    most_differences: int = Field(
+        3, ge=1, description="effects in which two kinds may differ to be compared, which bounds what is tried"
+    )
+    rounds: int = Field(5, ge=1, description="times that all transitions are looked at; usually two are enough")
+
+
 class RoleSettings(BaseModel):
     """When a class of transitions gets a variable for an object that no argument names (``operators/roles.py``)."""
 
@@ -133,6 +179,7 @@ class RobustSettings(BaseModel):
 
     labels: LabelModelSettings = Field(default_factory=LabelModelSettings)
     roles: RoleSettings = Field(default_factory=RoleSettings)
+    kinds: KindSettings = Field(default_factory=KindSettings)
     confident: float = Field(
         1e-4, gt=0, lt=0.5, description="probability that a value without remembered doubt is wrong, in the test of "
         "preconditions",

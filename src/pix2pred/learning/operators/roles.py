@@ -52,6 +52,8 @@ class Roles:
     """
 
     OUTSIDE = 1
+    LINKED, UNLINKED = -1, -2
+    """In place of a variable, for an object that is none: linked to one by an atom, or not."""
 
     def __init__(
         self,
@@ -60,6 +62,7 @@ class Roles:
         bystanders: Bystanders,
         noisy: Sequence[int],
         settings: RoleSettings,
+        beyond: bool = False,
     ) -> None:
         self._data = data
         self._settings = settings
@@ -76,6 +79,7 @@ class Roles:
         self._touched: dict[tuple[int, object], set[ObjectIds]] = {}
         seen = {p: self._seen_to_change(p) for p in noisy} if bystanders.types else {}
         self._seen = {p: roles for p, roles in seen.items() if roles}
+        self._linked = self._links(noisy) if beyond else None
 
     def touched(self, demo: int, predicate: int) -> set[ObjectIds]:
         """Argument tuples of ``predicate`` that some transition of the demonstration has among its variables."""
@@ -95,8 +99,12 @@ class Roles:
         beside = self._seen.get(predicate, set())
         key = (demo, args, predicate if beside else -1)
         if key not in self._rows:
-            self._rows[key] = [self._number(c, number, args, beside) for c, number in self._bound[demo]]
+            self._rows[key] = [self._number(demo, t, args, beside) for t in range(len(self._bound[demo]))]
         return self._rows[key]
+
+    def beyond(self) -> NDArray[np.bool_]:
+        """Which roles are about objects that are no variables of their class."""
+        return np.array([any(v < 0 for v in variables) for _, variables in self.keys])
 
     def siblings(self) -> NDArray[np.int64]:
         """A number per role, equal for roles that are the same arguments of the same skill, whatever the class.
@@ -107,21 +115,36 @@ class Roles:
         result = []
         for role, (c, variables) in enumerate(self.keys):
             args = self._classes[c].skill_args if c >= 0 else ()
-            shared = c >= 0 and all(v in args for v in variables)
-            key: object = (self._classes[c].skill, *(args.index(v) for v in variables)) if shared else (role,)
+            shared = c >= 0 and all(v in args or v < 0 for v in variables)
+            key: object = (
+                (self._classes[c].skill, *(args.index(v) if v >= 0 else v for v in variables)) if shared else (role,)
+            )
             result.append(groups.setdefault(("skill", key) if shared else key, len(groups)))
         return np.array(result, dtype=np.int64)
 
-    def _number(self, c: int, number: dict[int, int], args: ObjectIds, beside: set[Role]) -> int:
-        if not all(o in number for o in args):
+    def _number(self, demo: int, t: int, args: ObjectIds, beside: set[Role]) -> int:
+        c, number = self._bound[demo][t]
+        linked = self._linked[demo][t] if self._linked else set()
+        key = (c, tuple(number.get(o, self.LINKED if o in linked else self.UNLINKED) for o in args))
+        if self._linked is None and min(key[1], default=0) < 0:
             return self.OUTSIDE
-        key = (c, tuple(number[o] for o in args))
         if any(self._beside(c, v) for v in key[1]) and key not in beside:
             return self.OUTSIDE
         if key not in self._numbers:
             self._numbers[key] = len(self.keys)
             self.keys.append(key)
         return self._numbers[key]
+
+    def _links(self, predicates: Sequence[int]) -> list[list[set[int]]]:
+        """For every transition the objects of which an atom, before or after it, says something together with one of
+        its variables."""
+        found: list[list[set[int]]] = []
+        for d, bound in enumerate(self._bound):
+            found.append([])
+            for t, (_, number) in enumerate(bound):
+                atoms = (args for p in predicates for s in (t, t + 1) for args in self._data.extension(d, s, p))
+                found[-1].append({o for args in atoms if not number.keys().isdisjoint(args) for o in args})
+        return found
 
     def _beside(self, c: int, variable: int) -> bool:
         return variable >= len(self._classes[c].types)
