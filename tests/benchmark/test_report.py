@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -178,3 +179,28 @@ def test_a_suite_that_makes_no_sense_is_refused(change: dict[str, object], messa
     assert Suite.model_validate(
         {**document, "seeds": [0], "tasks": 1, "axis": None, "families": [{"name": "a", "domain": "b"}]}
     )
+
+
+def test_the_robot_domains_are_compared_apart_and_as_printed() -> None:
+    robot = [f for f in PAPER.families if f.domain in ("cleanup", "juice")]
+    assert {(PAPER.approaches_of(f), PAPER.tasks_of(f)) for f in robot} == {(("ours", "vila-fewshot"), 3)}
+    assert [[f.name for f in group] for group in PAPER.groups()][1] == [f.name for f in robot]
+    run = made_up({("ours", "combo"): 5})
+    solved = [
+        Row(
+            "ours", "juice-novel-goal-2", None, 0, f"t{i}", TryOutcome.SOLVED if i < 2 else TryOutcome.FAILED, cause="x"
+        )
+        for i in range(3)
+    ]
+    text = section(replace(run, rows=(*run.rows, *solved)), load_claims(), date="2026-01-02", command="c", chart=None)
+    assert "Of 3 tasks per seed" in text and "| juice, ours | " in text and "2 of 3 [1/3] |" in text
+    assert "juice-novel-goal-2: " not in text, "claims are about the simulated families"
+
+
+def test_what_a_family_leaves_to_the_suite_is_not_written_down() -> None:
+    written = PAPER.document()["families"]
+    assert "tasks" not in written[0] and written[-1]["tasks"] == 3
+    assert Suite.model_validate(PAPER.document()) == PAPER
+    broken = PAPER.document() | {"approaches": ["no-invent"]}
+    with pytest.raises(ValueError, match="no approach of the suite"):
+        Suite.model_validate(broken)

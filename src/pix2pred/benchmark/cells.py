@@ -73,6 +73,11 @@ class Job:
         value = "" if self.value is None else f"/{self.value:g}"
         return f"cells/{self.family.name}{value}/seed{self.seed}"
 
+    @property
+    def approaches(self) -> tuple[str, ...]:
+        """What is compared on the family."""
+        return self.suite.approaches_of(self.family)
+
     @cached_property
     def domain(self) -> Domain:
         """Raises ``NotAvailableError``."""
@@ -104,7 +109,9 @@ class Job:
     @cached_property
     def tasks(self) -> Sequence[SimulatedTask]:
         """The test tasks. Raises ``NotAvailableError``."""
-        return tasks_for(self.domain, self.family_name, self.seed, self.suite.tasks, self.suite.axis, self.value)
+        return tasks_for(
+            self.domain, self.family_name, self.seed, self.suite.tasks_of(self.family), self.suite.axis, self.value
+        )
 
     @cached_property
     def model(self) -> CountingVLM:
@@ -115,7 +122,7 @@ class Job:
     def rows(self) -> list[Row]:
         """The rows that exist, with those that stand for whole cells that cannot be run."""
         found = []
-        for name in self.suite.approaches:
+        for name in self.approaches:
             if reason := self.excluded(name):
                 found.append(self.cell_row(name, *reason))
                 continue
@@ -146,7 +153,7 @@ class Job:
                 f"{self.folder}: {self.place}/{name} was made with {made_with}, not {self.model.name}; "
                 "choose another folder with --out"
             )
-        return all((cell / f"task-{i:03d}.json").exists() for i in range(self.suite.tasks))
+        return all((cell / f"task-{i:03d}.json").exists() for i in range(self.suite.tasks_of(self.family)))
 
     def cell_row(self, name: str, outcome: TryOutcome, detail: str) -> Row:
         """The row of an approach that is not tried."""
@@ -167,7 +174,7 @@ def run_job(job: Job) -> Done:
     """Run what is missing of a job. Raises ``VLMError`` when the model cannot be asked."""
     start, tried = time.perf_counter(), 0
     run = RunFolder(job.folder)
-    for name in job.suite.approaches:
+    for name in job.approaches:
         if job.excluded(name) is None and not job.finished(name):
             try:
                 tried += _Cell(job, name, run).finish()
@@ -193,7 +200,7 @@ class _Cell:
 
     def finish(self) -> int:
         """Run the tasks that have no row yet; gives their number."""
-        missing = [i for i in range(self._job.suite.tasks) if not self._path(i).exists()]
+        missing = [i for i in range(len(self._tasks)) if not self._path(i).exists()]
         try:
             agent: Agent | str = self._train()
         except (EmptyProposalError, UnusableAnswersError) as error:

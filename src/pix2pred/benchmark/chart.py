@@ -25,7 +25,7 @@ def draw(run: Run) -> bytes:
     matplotlib.use("Agg")
     from matplotlib.figure import Figure
 
-    families = [f for f in run.suite.families if _any_cell(run, f.name)] or list(run.suite.families)
+    families = [f for f in run.suite.groups()[0] if _any_cell(run, f.name)] or list(run.suite.families)
     names = [f.name for f in families]
     if run.suite.axis:
         figure = Figure(figsize=(4.2 * len(names), 3.4), layout="constrained")

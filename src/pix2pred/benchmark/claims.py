@@ -108,6 +108,18 @@ class Interim(BaseModel):
     numbers: dict[str, tuple[tuple[float, float], ...]]
 
 
+class Printed(BaseModel):
+    """The printed table of the robot domains: correct plans of ``of`` by domain, approach and variant."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    source: str
+    about: str
+    of: int
+    variants: tuple[str, ...]
+    numbers: dict[str, dict[str, tuple[int, ...]]]
+
+
 class Published(BaseModel):
     """The file ``claims.yaml``."""
 
@@ -115,6 +127,7 @@ class Published(BaseModel):
 
     claims: tuple[Claim, ...]
     interim: Interim
+    robot: Printed
 
 
 def load_claims() -> Published:
@@ -133,8 +146,12 @@ class Judged:
 
 
 def judge(claim: Any, run: Run) -> Judged:
-    """What the run says about ``claim``, over the families that the claim and the suite share."""
-    wanted = claim.families or [f.name for f in run.suite.families]
+    """What the run says about ``claim``, over the families that the claim and the suite share.
+
+    A claim that names no family is about those of the suite's first group: the simulated ones of the published
+    comparison, where the robot's come after them.
+    """
+    wanted = claim.families or [f.name for f in run.suite.groups()[0]]
     names = [f.name for f in run.suite.families if f.name in wanted and f.name not in claim.excluded]
     checks: dict[type, Callable[[Any, Run, str], tuple[ClaimVerdict, str]]] = {
         Above: _above, Comparable: _comparable, NearZero: _near_zero, NoneOfSecondHalf: _second_half,

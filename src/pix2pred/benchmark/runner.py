@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -82,12 +81,14 @@ def status_of(folder: Path, catalogue: Catalogue) -> Run:
 def expected(run: Run) -> int:
     """How many tries the run has when it is finished."""
     suite = run.suite
-    cells = len(suite.approaches) * len(suite.families) * len(suite.seeds) * len(suite.values)
-    return (cells - Counter(row.task is None for row in run.rows)[True]) * suite.tasks
+    times = len(suite.seeds) * len(suite.values)
+    tries = {f.name: suite.tasks_of(f) for f in suite.families}
+    wanted = sum(len(suite.approaches_of(f)) * times * tries[f.name] for f in suite.families)
+    return wanted - sum(tries[row.family] for row in run.rows if row.task is None)
 
 
 def _config(suite: Suite, vlm: str) -> dict[str, Any]:
-    return {"suite": suite.model_dump(mode="json"), "vlm": vlm}
+    return {"suite": suite.document(), "vlm": vlm}
 
 
 def _jobs(folder: Path, suite: Suite, catalogue: Catalogue, vlm: str, answers: Path, mode: StoreMode) -> list[Job]:
@@ -102,7 +103,7 @@ def _jobs(folder: Path, suite: Suite, catalogue: Catalogue, vlm: str, answers: P
 def _learned(jobs: list[Job]) -> dict[str, dict[str, Any]]:
     found = {}
     for job in jobs:
-        for name in job.suite.approaches:
+        for name in job.approaches:
             learned = _read(job.folder / job.place / name / "learned.json")
             if learned:
                 found[f"{job.place.removeprefix('cells/')}/{name}"] = learned

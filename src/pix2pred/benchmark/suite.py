@@ -53,6 +53,12 @@ class FamilyEntry(BaseModel):
     family: str | None = None
     settings: dict[str, Any] = Field(default_factory=dict, description="as in a project's settings, by section")
     shown_demos: int | None = Field(None, ge=1, description="demonstrations that a planning prompt shows at most")
+    approaches: tuple[str, ...] | None = Field(
+        None, min_length=1, description="tried here; by default all of the suite"
+    )
+    tasks: int | None = Field(
+        None, ge=1, description="test tasks per seed; by default as many as of the other families"
+    )
 
     @model_validator(mode="after")
     def _check_settings(self) -> FamilyEntry:
@@ -105,12 +111,40 @@ class Suite(BaseModel):
             twice = [x for i, x in enumerate(found) if x in found[:i]]
             if twice:
                 raise ValueError(f"{what} {twice[0]!r} is listed twice")
+        for entry in self.families:
+            unknown = [a for a in entry.approaches or () if a not in self.approaches]
+            if unknown:
+                raise ValueError(f"family {entry.name!r} names {unknown[0]!r}, which is no approach of the suite")
         return self
 
     @property
     def values(self) -> tuple[float | None, ...]:
         """The values of the axis, or None once."""
         return self.axis.values if self.axis else (None,)
+
+    def approaches_of(self, entry: FamilyEntry) -> tuple[str, ...]:
+        """The approaches that are compared on a family."""
+        return entry.approaches or self.approaches
+
+    def tasks_of(self, entry: FamilyEntry) -> int:
+        """The test tasks per seed of a family."""
+        return entry.tasks or self.tasks
+
+    def groups(self) -> list[list[FamilyEntry]]:
+        """The families in the order of the suite, together with those that have the same approaches and tasks."""
+        found: dict[tuple[tuple[str, ...], int], list[FamilyEntry]] = {}
+        for entry in self.families:
+            found.setdefault((self.approaches_of(entry), self.tasks_of(entry)), []).append(entry)
+        return list(found.values())
+
+    def document(self) -> dict[str, Any]:
+        """The suite as a run folder keeps it; what a family leaves to the suite is not in it."""
+        made = self.model_dump(mode="json")
+        for entry in made["families"]:
+            for key in ("approaches", "tasks"):
+                if entry[key] is None:
+                    del entry[key]
+        return made
 
     def settings_of(self, entry: FamilyEntry, learning: Mapping[str, Any]) -> Settings:
         """The settings of a family: its domain's for ``learning``, then the suite's, then its own in this suite."""

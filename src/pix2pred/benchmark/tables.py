@@ -8,10 +8,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pix2pred.benchmark.claims import Judged, Published, judge, judge_interim
+from pix2pred.benchmark.claims import Judged, Printed, Published, judge, judge_interim
 from pix2pred.benchmark.rows import TryOutcome
 from pix2pred.benchmark.runner import Run, expected
 from pix2pred.benchmark.statistics import TableCell, cell_of, sign_test
+from pix2pred.benchmark.suite import FamilyEntry
 
 
 def markdown(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -26,12 +27,21 @@ def models_of(run: Run) -> list[str]:
 
 
 def solved_table(run: Run) -> str:
-    """Mean ± sd of solved tasks per seed, with the 95 % interval of the share of all tries."""
-    families = [f.name for f in run.suite.families]
+    """Mean ± sd of solved tasks per seed, with the 95 % interval of the share of all tries.
+
+    A table for every group of families with the same approaches and number of tasks.
+    """
+    return "\n".join(_solved_of(run, group) for group in run.suite.groups())
+
+
+def _solved_of(run: Run, group: Sequence[FamilyEntry]) -> str:
+    families = [f.name for f in group]
     rows = [[a, *(_solved(cell_of(run.rows, a, f, v)) for f in families for v in run.suite.values)]
-            for a in run.suite.approaches]  # fmt: skip
+            for a in run.suite.approaches_of(group[0])]  # fmt: skip
     values = [f"{f} {v:g}" if v is not None else f for f in families for v in run.suite.values]
-    return markdown(["approach", *values], rows)
+    tasks = run.suite.tasks_of(group[0])
+    said = f"Of {tasks} tasks per seed:\n\n" if tasks != run.suite.tasks else ""
+    return said + markdown(["approach", *values], rows)
 
 
 def _solved(found: TableCell | TryOutcome | None) -> str:
@@ -43,8 +53,8 @@ def _solved(found: TableCell | TryOutcome | None) -> str:
 def only_finished(run: Run) -> Run:
     """The run without the rows of cells in which some seed lacks a try: a mean over fewer would mislead."""
     counts = Counter((r.approach, r.family, r.value) for r in run.rows if r.task is not None)
-    full = len(run.suite.seeds) * run.suite.tasks
-    kept = tuple(r for r in run.rows if r.task is None or counts[r.approach, r.family, r.value] == full)
+    full = {f.name: len(run.suite.seeds) * run.suite.tasks_of(f) for f in run.suite.families}
+    kept = tuple(r for r in run.rows if r.task is None or counts[r.approach, r.family, r.value] == full[r.family])
     return replace(run, rows=kept)
 
 
@@ -112,6 +122,23 @@ def claims_table(judged: Sequence[Judged]) -> str:
     return markdown(["claim", "source", "verdict", "by family"], rows)
 
 
+def printed_table(printed: Printed, run: Run) -> str:
+    """The robot domains as printed: a row per domain and approach, solved tasks of all that were tried."""
+    rows = []
+    for domain, by_approach in printed.numbers.items():
+        for approach, numbers in by_approach.items():
+            cells = [cell_of(run.rows, approach, f"{domain}-{v}") for v in printed.variants]
+            told = [f"{_counted(c)} [{n}/{printed.of}]" for c, n in zip(cells, numbers, strict=True)]
+            rows.append([f"{domain}, {approach}", *told])
+    return markdown(["", *printed.variants], rows)
+
+
+def _counted(found: TableCell | TryOutcome | None) -> str:
+    if not isinstance(found, TableCell):
+        return found.value if found else "not run"
+    return f"{found.solved} of {found.tries}"
+
+
 def interim_table(published: Published, run: Run) -> str:
     """One row per interim number."""
     rows = [[f, a, v.value, text] for f, a, v, text in judge_interim(published.interim, run)]
@@ -145,6 +172,9 @@ def section(run: Run, published: Published, *, date: str, command: str, chart: s
         parts += ["What was learned:\n", learned_table(run)]
         parts += ["Published claims:\n", claims_table([judge(c, run) for c in published.claims])]
         about = published.interim.about
+        robot = {f"{d}-{v}" for d in published.robot.numbers for v in published.robot.variants}
+        if robot & {f.name for f in run.suite.families}:
+            parts += [f"{published.robot.about}\n", printed_table(published.robot, run)]
         parts += [f"{about} A number holds when the ranges mean ± sd overlap.\n", interim_table(published, run)]
     return "\n".join(parts)
 
@@ -155,7 +185,7 @@ def summary_csv(run: Run) -> str:
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(["approach", "family", "value", "outcome", "tries", "solved", "mean", "sd", "low95", "high95"])
     for approach in run.suite.approaches:
-        for entry in run.suite.families:
+        for entry in (f for f in run.suite.families if approach in run.suite.approaches_of(f)):
             for value in run.suite.values:
                 found = cell_of(run.rows, approach, entry.name, value)
                 key = [approach, entry.name, "" if value is None else f"{value:g}"]

@@ -19,7 +19,7 @@ from pix2pred.domains.cleanup.scenes import (
     make_world,
 )
 from pix2pred.domains.cleanup.skills import all_strokes
-from pix2pred.domains.home.cameras import some_pictures
+from pix2pred.domains.home.cameras import camera_names, some_pictures
 from pix2pred.domains.home.drawing.room import STYLES
 from pix2pred.domains.home.world import Body, World
 from pix2pred.domains.seeds import Split, scene_generator
@@ -57,4 +57,4 @@ def _rearranged(world: World, things: list[str], bins: tuple[str, ...], rng: Rng
 
 def views(world: World) -> list[Picture]:
     """What a person sees, or the robot's hand camera and some of the others, drawn by the world's own seed."""
-    return some_pictures(world, 0.4)
+    return some_pictures(world, dict.fromkeys(camera_names(world), 0.4))

@@ -102,10 +102,13 @@ def pictures(world: World) -> tuple[Picture, ...]:
     return tuple(picture(world, name) for name in camera_names(world))
 
 
-def some_pictures(world: World, share: float) -> list[Picture]:
-    """What a person sees, or the hand camera's picture and this share of the others, by the world's own seed."""
+def some_pictures(world: World, shares: Mapping[str, float]) -> list[Picture]:
+    """What a person sees, or the hand camera's picture and some of the others, by the world's own seed.
+
+    ``shares`` says how often a camera's picture is taken; one that is not in it takes none.
+    """
     rng = np.random.default_rng(np.random.SeedSequence((world.room, _CHOOSING)))
-    chosen = [n for n in camera_names(world) if n in ("head", "hand_color") or rng.random() < share]
+    chosen = [n for n in camera_names(world) if n in ("head", "hand_color") or rng.random() < shares.get(n, 0.0)]
     return [picture(world, name) for name in chosen]
 
 

@@ -99,7 +99,7 @@ class HomeDomain:
         """The initial states of ``demonstrations(family, seed)``: running their actions visits their states again."""
         self._check(family)
         return tuple(
-            self._task(recipe.name, Start(self.demonstration_world(seed, i), recipe.goal))
+            self.task(recipe.name, Start(self.demonstration_world(seed, i), recipe.goal))
             for i, recipe in enumerate(self.recipes)
         )
 
@@ -114,7 +114,7 @@ class HomeDomain:
 
     def tasks(self, family: str, seed: int, count: int = 10) -> Sequence[SimulatedTask]:
         """``count`` test tasks, seen through the robot's cameras."""
-        return tuple(self._task(f"{family}-test-{i}", self.start(family, seed, i)) for i in range(count))
+        return tuple(self.task(f"{family}-test-{i}", self.start(family, seed, i)) for i in range(count))
 
     def environment(self, task: Task, simulator: SimulatorState, disturb: float = 0.0) -> HomeEnvironment:
         """A fresh episode of a task.
@@ -148,7 +148,8 @@ class HomeDomain:
             actions.append(Action(self.rules.skills[applied.name], args))
         return tuple(actions)
 
-    def _task(self, name: str, start: Start) -> SimulatedTask:
+    def task(self, name: str, start: Start) -> SimulatedTask:
+        """The task that begins in ``start``, with the pictures of its first state."""
         objects = self.rules.objects(start.world)
         goal = self.goal_of(start)
         task = Task(name, objects, self.rules.observe(start.world), goal)

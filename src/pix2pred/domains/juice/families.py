@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pix2pred.domains.home.domain import Recipe, Start, StartMaker
+from pix2pred.domains.home.places import Region
 from pix2pred.domains.home.world import Body, World
+from pix2pred.domains.juice.party import PartyCup, PartyJuicer, lay_out
 from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 
 Rng = np.random.Generator
@@ -133,10 +135,31 @@ def _full_juice_cup(index: int, rng: Rng) -> Start:
     return _task(Plan(cups, (fruit,)), fruit, "office", rng)
 
 
+def _party(index: int, rng: Rng) -> Start:
+    """Three fruits for three cups at three juicers; one cup for juice is full of something else, two of six stand well.
+
+    What the printed operators do not know must not matter: that a machine juices all that is in its hopper (two of
+    them are loaded and closed), and that a cup leaves its region when it is taken (a full one stands in none).
+    """
+    fruits = [str(k) for k in rng.permutation((*DEMONSTRATED_FRUITS, *NEW_FRUITS))[:3]]
+    outside, full, placed, waste_placed = (int(k) for k in (rng.integers(3), *rng.permutation(3)))
+    machines = [PartyJuicer(inside=None if k == outside else f, opened=k == outside) for k, f in enumerate(fruits)]
+    vessels = [PartyCup("bowl", "bowl"), PartyCup("spare", _pick(("mug", "glass"), rng))]
+    for k, fruit in enumerate(fruits):
+        kind = _pick(WASTE_CUPS if k == full else ("glass", "mug"), rng)
+        drink = (_pick(DRINKS, rng),) if k == full else ()
+        vessels.append(PartyCup(f"{fruit}_cup", kind, drink, (k, Region.JUICE) if k == placed else None))
+        under = (k, Region.WASTE) if k == waste_placed else None
+        vessels.append(PartyCup(f"waste_cup{k + 1}", _pick(WASTE_CUPS, rng), under=under))
+    world = lay_out(machines, vessels, (fruits[outside],), "office", rng)
+    return Start(world, tuple(f"JuiceInCup({f}, {f}_cup)" for f in fruits))
+
+
 FAMILIES: Mapping[str, StartMaker] = {
     "new-objects": _like_demonstrations(NEW_FRUITS, "office"),
     "new-background": _like_demonstrations(DEMONSTRATED_FRUITS, "studio"),
     "more-objects": _more_objects,
     "novel-goal-1": _no_waste_cup,
     "novel-goal-2": _full_juice_cup,
+    "party": _party,
 }

@@ -12,7 +12,7 @@ from pix2pred.domains.home.drawing.fixtures import table_size
 from pix2pred.domains.home.drawing.vessels import HOPPER_BOTTOM, RIND_PLACE
 from pix2pred.domains.home.places import Region, region_middle
 from pix2pred.domains.home.settling import rise_of, settled
-from pix2pred.domains.home.world import SCENERY, Body, Thing, World
+from pix2pred.domains.home.world import SCENERY, Body, Thing, Vector, World
 from pix2pred.domains.juice.skills import FULL
 
 Rng = np.random.Generator
@@ -23,8 +23,8 @@ ASIDE = "aside"
 REGION_OF: Mapping[str, Region] = {"juice": Region.JUICE, "waste": Region.WASTE}
 
 _FRONT = (0.68, 0.76)
-_ASIDE = ((0.70, 0.86), (0.42, 0.68))
-_GAP = 0.14
+_ASIDE = ((0.70, 0.86), (0.38, 0.54))
+_GAP = 0.16
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,25 +52,28 @@ class Plan:
 
 def make_world(plan: Plan, body: Body, style: str, rng: Rng) -> World:
     """The world of ``plan`` at rest, everything else drawn from ``rng``."""
-    counter = Thing("counter", SCENERY, "counter", _look(rng), (0.97, 0.0, 0.0))
+    counter = Thing("counter", SCENERY, "counter", look(rng), (0.97, 0.0, 0.0))
     top = table_size(counter).height
     place = (float(rng.uniform(1.05, 1.10)), float(rng.uniform(-0.05, 0.05)), top)
-    juicer = Thing(JUICER, "juicer", "juicer", _look(rng), place, opened=plan.opened, powered=plan.powered)
+    juicer = Thing(JUICER, "juicer", "juicer", look(rng), place, opened=plan.opened, powered=plan.powered)
     taken: list[tuple[float, float]] = []
     cups = [_cup(name, cup, juicer, taken, rng) for name, cup in plan.cups.items()]
     fruits = [_fruit(name, plan, juicer, taken, rng) for name in plan.fruits]
-    return settled(World((counter, juicer, *cups, *fruits), body, _look(rng), style, plan.gaze), 0.8)
+    return settled(World((counter, juicer, *cups, *fruits), body, look(rng), style, plan.gaze), 0.8)
 
 
 def _cup(name: str, cup: Cup, juicer: Thing, taken: list[tuple[float, float]], rng: Rng) -> Thing:
-    made = Thing(
-        name, "container", cup.kind, _look(rng), contents=tuple(cup.contents), amount=FULL * bool(cup.contents)
-    )
+    made = cup_at(name, cup.kind, cup.contents, (0.0, 0.0, juicer.at[2]), rng)
     if cup.place in REGION_OF:
         x, y, z = region_middle(juicer, REGION_OF[cup.place])
         return replace(made, at=(x + float(rng.uniform(-0.015, 0.015)), y + float(rng.uniform(-0.015, 0.015)), z))
     x, y = aside(taken, rng)
     return replace(made, at=(x, y, juicer.at[2]))
+
+
+def cup_at(name: str, kind: str, contents: Sequence[str], at: Vector, rng: Rng) -> Thing:
+    """A vessel that stands at ``at``, full of ``contents`` if there are any."""
+    return Thing(name, "container", kind, look(rng), at, contents=tuple(contents), amount=FULL * bool(contents))
 
 
 def aside(taken: list[tuple[float, float]], rng: Rng) -> tuple[float, float]:
@@ -97,17 +100,31 @@ def _apart(tries: np.ndarray, taken: list[tuple[float, float]]) -> tuple[float, 
 
 
 def _fruit(name: str, plan: Plan, juicer: Thing, taken: list[tuple[float, float]], rng: Rng) -> Thing:
-    made = Thing(name, "movable_object", plan.kinds.get(name, name), _look(rng))
-    x, y, z = juicer.at
+    kind = plan.kinds.get(name, name)
     if name in plan.inside:
-        dx, dy = ((-0.035, 0.0), (0.03, 0.03), (0.03, -0.03))[list(plan.inside).index(name)]
-        return replace(made, at=(x + dx, y + dy, z + HOPPER_BOTTOM + 0.01 + rise_of(made)))
+        return replace(fruit_in(juicer, kind, list(plan.inside).index(name), rng), name=name)
     if name in plan.squeezed:
-        step = list(plan.squeezed).index(name)
-        return replace(made, at=(x + RIND_PLACE[0] - 0.075 * step, y, z + 0.009), squeezed=True)
-    fx, fy = front(taken, rng)
-    return replace(made, at=(fx, fy, z + rise_of(made) + 0.003))
+        return replace(squeezed_at(juicer, kind, list(plan.squeezed).index(name), rng), name=name)
+    made = Thing(name, "movable_object", kind, look(rng))
+    x, y = front(taken, rng)
+    return replace(made, at=(x, y, juicer.at[2] + rise_of(made) + 0.003))
 
 
-def _look(rng: Rng) -> int:
+def fruit_in(juicer: Thing, kind: str, number: int, rng: Rng) -> Thing:
+    """A fruit in a juicer's hopper, beside the ``number`` others that are in it already."""
+    made = Thing(kind, "movable_object", kind, look(rng))
+    dx, dy = ((-0.035, 0.0), (0.03, 0.03), (0.03, -0.03))[number]
+    x, y, z = juicer.at
+    return replace(made, at=(x + dx, y + dy, z + HOPPER_BOTTOM + 0.01 + rise_of(made)))
+
+
+def squeezed_at(juicer: Thing, kind: str, number: int, rng: Rng) -> Thing:
+    """What is left of a fruit on the tray before a juicer, in front of the ``number`` others there."""
+    x, y, z = juicer.at
+    at = (x + RIND_PLACE[0] - 0.075 * number, y, z + 0.009)
+    return Thing(kind, "movable_object", kind, look(rng), at, squeezed=True)
+
+
+def look(rng: Rng) -> int:
+    """The seed of a thing's colours and size."""
     return int(rng.integers(2**31))

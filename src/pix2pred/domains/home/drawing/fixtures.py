@@ -34,10 +34,15 @@ class TableSize:
     height: float
 
 
+_SIZES = {"counter": TableSize(0.36, 0.66, 0.62), "buffet": TableSize(0.51, 1.08, 0.42)}
+TOPS = ("table", *_SIZES)
+"""Kinds of things that have a top to put something on."""
+
+
 def table_size(thing: Thing) -> TableSize:
-    """The size of a table: a low one to clean, or a counter."""
-    if thing.kind == "counter":
-        return TableSize(0.36, 0.80, 0.62)
+    """The size of a table: a low one to clean, a counter, or a buffet for many."""
+    if thing.kind in _SIZES:
+        return _SIZES[thing.kind]
     rng = np.random.default_rng(thing.look)
     return TableSize(float(rng.uniform(0.27, 0.32)), float(rng.uniform(0.36, 0.44)), float(rng.uniform(0.44, 0.52)))
 

@@ -1,0 +1,73 @@
+"""Juice for many: a low buffet with up to three juicers, and cups under their valves or aside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pix2pred.domains.home.drawing.fixtures import table_size
+from pix2pred.domains.home.places import Region, region_middle
+from pix2pred.domains.home.settling import rise_of, settled
+from pix2pred.domains.home.world import SCENERY, Body, Thing, World
+from pix2pred.domains.juice.scenes import cup_at, fruit_in, look, squeezed_at
+
+Rng = np.random.Generator
+
+JUICER_PLACES = ((1.00, -0.42), (1.00, 0.42), (1.50, 0.0))
+"""Two juicers in front and one behind them, at which the raised hand's camera looks between those in front."""
+
+FREE_PLACES = (
+    (0.76, 0.0), (0.76, 0.2), (0.76, -0.2), (0.76, 0.66), (0.76, -0.66), (0.93, 0.0), (1.09, 0.0),
+    (1.0, 0.84), (1.0, -0.84), (1.17, 0.88), (1.17, -0.88), (1.34, 0.66), (1.34, -0.66),
+)  # fmt: skip
+"""Where vessels and fruit stand that are under no valve (metres); nothing blocks that camera's view of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class PartyJuicer:
+    """A juicer: what is in its hopper or lies squeezed before it, and whether the lid stands open."""
+
+    inside: str | None = None
+    squeezed: str | None = None
+    opened: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PartyCup:
+    """A cup or bowl: its kind, what it holds, and the number of the juicer and the region it stands in, if any."""
+
+    name: str
+    kind: str
+    contents: Sequence[str] = ()
+    under: tuple[int, Region] | None = None
+
+
+def lay_out(
+    machines: Sequence[PartyJuicer], vessels: Sequence[PartyCup], fruits: Sequence[str], style: str, rng: Rng
+) -> World:
+    """The robot before a buffet with these machines, vessels and fruits, everything else drawn from ``rng``."""
+    buffet = Thing("buffet", SCENERY, "buffet", look(rng), (1.21, 0.0, 0.0))
+    top = table_size(buffet).height
+    shell = look(rng)
+    juicers = [
+        Thing(f"juicer{k + 1}", "juicer", "juicer", shell, (x, y, top), opened=machine.opened)
+        for k, (machine, (x, y)) in enumerate(zip(machines, JUICER_PLACES, strict=False))
+    ]
+    things = [buffet, *juicers]
+    for juicer, machine in zip(juicers, machines, strict=True):
+        things += [fruit_in(juicer, machine.inside, 0, rng)] if machine.inside else []
+        things += [squeezed_at(juicer, machine.squeezed, 0, rng)] if machine.squeezed else []
+    free = [FREE_PLACES[i] for i in rng.permutation(len(FREE_PLACES))]
+    for vessel in vessels:
+        x, y, z = region_middle(juicers[vessel.under[0]], vessel.under[1]) if vessel.under else (*free.pop(), top)
+        things.append(cup_at(vessel.name, vessel.kind, vessel.contents, (_near(x, rng), _near(y, rng), z), rng))
+    for name in fruits:
+        made, (x, y) = Thing(name, "movable_object", name, look(rng)), free.pop()
+        things.append(replace(made, at=(_near(x, rng), _near(y, rng), top + rise_of(made) + 0.003)))
+    return settled(World(tuple(things), Body.ROBOT, look(rng), style), 0.8)
+
+
+def _near(value: float, rng: Rng) -> float:
+    return value + float(rng.uniform(-0.012, 0.012))
