@@ -233,7 +233,7 @@ def test_drift_is_more_than_chance() -> None:
 
 def test_readers_and_cascades_can_be_named_and_cost_nothing_or_less(folder: Path, tmp_path: Path) -> None:
     store = AnswerStore(tmp_path)
-    shown, _, _ = state(6)
+    shown, _, _ = state(7)
     free = REGISTRY.estimator(f"reader:{folder}", None, store)
     labels(free, shown)
     assert free.as_dict()["dollars"] == 0.0

@@ -1,7 +1,8 @@
 """``cascade:READER,MODEL``: the reader says what it knows, and the large model is asked about the rest alone.
 
-One question a look at most. A seeded share of what the reader is sure of is put into the same question as a check; the
-reader's answer stands all the same, so that checking changes no result.
+One question a look at most. In a seeded share of the looks, what the reader is sure of is put into the same question as
+a check: whole looks, because a look costs one question whatever it asks about. The reader's answer stands all the same,
+so that checking changes no result.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from pix2pred.vlm.offline.prompt_format import AskedAtom
 from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, Token
 
 CHECKED = 0.02
-"""The share of sure answers that are checked."""
+"""The share of looks whose sure answers are checked, and so of sure answers."""
 
 SaidOf = Callable[[str, Sequence[str]], Mapping[str, bool]]
 """The values, true or false, that an answer gives to atoms, by their texts."""
@@ -51,7 +52,7 @@ class Cascade:
         sure = [a for a in question.atoms if readings and all(r[a].value is not None for r in readings.values())]
         rest = [a for a in question.atoms if a not in set(sure)]
         look = _name_of(question)
-        audited = [a for a in sure if self._draw(look, a) < self.checked]
+        audited = sure if self._draw(look) < self.checked else []
         known = {number: {a: of_state[a] for a in sure} for number, of_state in readings.items()}
         lines = self.reader.lines(request.purpose, replace(question, atoms=tuple(sure)), known)
         asked = [a for a in question.atoms if a in {*rest, *audited}]
@@ -81,9 +82,9 @@ class Cascade:
             return Answer("")
         return Answer("", answer.stored, spent=answer.spent) if lines and answer.finish == Finish.REFUSED else answer
 
-    def _draw(self, look: str, atom: AskedAtom) -> float:
-        """A number in [0, 1) that seed, pictures and atom decide."""
-        text = f"{self.seed}|{look}|{atom}"
+    def _draw(self, look: str) -> float:
+        """A number in [0, 1) that seed and pictures decide."""
+        text = f"{self.seed}|{look}"
         return float(int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56)
 
     def _checks(

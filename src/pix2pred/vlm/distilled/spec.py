@@ -23,6 +23,9 @@ class Free:
     def thinking_tokens(self) -> int:
         return 0
 
+    def cached_tokens(self, repeated: int) -> int:
+        return 0
+
     def dollars(self, input_tokens: int, output_tokens: int) -> float:
         return 0.0
 
