@@ -100,7 +100,7 @@ def run(
     )
     reader = REGISTRY.vlm("offline", name)
     answering = FlippingVLM(reader, flip, seed) if flip else reader
-    counting = EstimatingVLM(Unstored(answering), REGISTRY.model_spec(model).rates)  # type: ignore[arg-type]
+    counting = EstimatingVLM(lambda counted: counted(Unstored(answering)), REGISTRY.model_spec(model).rates)
     chains = Chains(counting)
     learned = learn(LearningProblem(domain.vocabulary(family), domain.demonstrations(family, seed), chains, settings))
     longest = chains.longest

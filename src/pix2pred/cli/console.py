@@ -34,6 +34,7 @@ _STAGES = {
     Stage.DOUBT: "Looking for wrong labels",
     Stage.SOLVE: "Solving tasks",
     Stage.BENCH: "Running the suite",
+    Stage.DISTIL: "Teaching words",
 }
 
 

@@ -102,6 +102,11 @@ def _model(registry: Registry, spec: str) -> Iterator[Finding]:
     flow = FlowSettings(tries=3, timeout=60.0, longest_pause=3.0, max_wait=60.0)
     try:
         named = registry.model_spec(spec)
+        if known := named.known():
+            yield Finding(spec.partition(",")[0], True, plain(known))
+            if named.asks_the_rest:
+                yield from _model(registry, spec.partition(",")[2])
+            return
         if named.waits_in is not None:
             yield Finding(spec, *_mailbox(named.waits_in))
             return

@@ -22,6 +22,7 @@ from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.solve import solve_into
 from pix2pred.structs import PlanStatus
 from pix2pred.structs.environment import Environment, SimulatedTask
+from pix2pred.vlm.distilled.tally import Tallied
 
 
 # Longer than others: every option is a line, with its help.
@@ -88,6 +89,8 @@ def solve(
         print_json(summary)
     else:
         print_solved(summary)
+        if isinstance(solver.labeller.vlm, Tallied):
+            out.print(solver.labeller.vlm.tally.line(), markup=False, soft_wrap=True)
     return 0 if summary["solved"] == summary["tasks"] else 1
 
 

@@ -7,15 +7,19 @@ before kept it as it was typed; where that leads nowhere from the run, it is tri
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-_WITH_FOLDER = ("replay", "mailbox")
+_WITH_FOLDER = ("replay", "mailbox", "reader")
+_CASCADE = "cascade:"
+"""A reader's folder, a comma, and the name of another model, which may hold a folder as well."""
 
 
 def kept(spec: str, run: Path) -> str:
     """``spec`` as ``config.yaml`` keeps it."""
+    if spec.startswith(_CASCADE):
+        return _cascade(spec, lambda part: kept(part, run))
     kind, folder = _parts(spec)
     if not folder or Path(folder).expanduser().is_absolute():
         return spec
@@ -24,6 +28,8 @@ def kept(spec: str, run: Path) -> str:
 
 def reached(spec: str, run: Path) -> str:
     """``spec``, which ``config.yaml`` of ``run`` kept, as it leads to the folder from here."""
+    if spec.startswith(_CASCADE):
+        return _cascade(spec, lambda part: reached(part, run))
     kind, folder = _parts(spec)
     if not folder or Path(folder).expanduser().is_absolute():
         return spec
@@ -37,7 +43,9 @@ def same(one: str, other: str, run: Path) -> bool:
 
 
 def folder_of(spec: str) -> Path | None:
-    """The folder that a name of a model holds, if it holds one."""
+    """The folder that a name of a model holds, if it holds one; of a cascade that of its large model."""
+    if spec.startswith(_CASCADE):
+        return folder_of(spec.partition(",")[2])
     _, folder = _parts(spec)
     return Path(folder) if folder else None
 
@@ -47,6 +55,12 @@ def stores_of_pictures(run: Path, config: Mapping[str, Any]) -> tuple[Path, ...]
     answers = config.get("answers")
     replayed = folder_of(reached(str(config.get("vlm", "")), run))
     return (*([Path(answers)] if answers else []), *([replayed] if replayed else []), run)
+
+
+def _cascade(spec: str, moved: Callable[[str], str]) -> str:
+    """A cascade whose parts were ``moved``, its reader written as one."""
+    reader, _, model = spec.removeprefix(_CASCADE).partition(",")
+    return f"{_CASCADE}{moved(f'reader:{reader}').removeprefix('reader:')},{moved(model)}"
 
 
 def _resolved(spec: str, run: Path) -> tuple[str, Path | None]:

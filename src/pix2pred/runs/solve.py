@@ -14,13 +14,15 @@ from pix2pred.runs.layout import SOLVED, SUMMARY
 from pix2pred.structs import Episode, ExecutedStep, Failure, Question, Turn
 from pix2pred.structs.environment import Environment, SimulatedTask
 from pix2pred.system.progress import Progress, Stage
+from pix2pred.vlm.distilled.tally import Tallied, Tally
 
 
 @dataclass(frozen=True, slots=True)
 class Solved:
-    """All episodes of one set of tasks."""
+    """All episodes of one set of tasks; ``said_by`` counts who gave the labels, where two models shared the work."""
 
     episodes: tuple[Episode, ...]
+    said_by: Tally | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Counts, failures by cause, and a row per episode."""
@@ -30,6 +32,7 @@ class Solved:
             "tasks": len(self.episodes),
             "failures": {cause.value: failures[cause.value] for cause in Failure if failures[cause.value]},
             "episodes": [episode_doc(e) for e in self.episodes],
+            **({} if self.said_by is None else {"said_by": self.said_by.as_dict()}),
         }
 
 
@@ -66,7 +69,8 @@ def solve_into(
         run.write_json(f"{SOLVED}/{name}/{stored.task.name}.json", episode_doc(episode))
         episodes.append(episode)
     progress(Stage.SOLVE, len(tasks), len(tasks), "")
-    solved = Solved(tuple(episodes))
+    asked = solver.labeller.vlm
+    solved = Solved(tuple(episodes), asked.tally if isinstance(asked, Tallied) else None)
     run.write_json(f"{SOLVED}/{name}/{SUMMARY}", solved.as_dict())
     return solved
 

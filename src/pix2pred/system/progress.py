@@ -18,6 +18,7 @@ class Stage(StrEnum):
     DOUBT = "doubt"
     SOLVE = "solve"
     BENCH = "bench"
+    DISTIL = "distil"
 
 
 class Progress(Protocol):

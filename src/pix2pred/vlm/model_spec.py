@@ -88,6 +88,19 @@ class ModelSpec(ABC):
         """The model for a replay of its answers, which needs neither key nor network."""
         return self.connect(setup)
 
+    def around(self, setup: Setup, asked: Callable[[ModelSpec], VLM]) -> VLM:
+        """The model, with whatever of it costs questions made by ``asked``, which may put a store before it."""
+        return asked(self)
+
+    def known(self) -> str:
+        """What can be said of the model without asking it; empty for one that has to be asked."""
+        return ""
+
+    @property
+    def asks_the_rest(self) -> bool:
+        """Whether what the model does not know is asked of the one named after it."""
+        return False
+
     @property
     def own_answers(self) -> Path | None:
         """The store that takes the model's place, for a model that is nothing else."""

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import threading
 from collections import Counter, defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from pix2pred.vlm.answers.stored import StoredVLM
 from pix2pred.vlm.control.guard import Expected
 from pix2pred.vlm.control.repeated import Repeated
 from pix2pred.vlm.model_spec import Rates
@@ -25,7 +25,7 @@ from pix2pred.vlm.offline.prompt_format import (
     states_shown,
     value_line,
 )
-from pix2pred.vlm.request import Answer, Purpose, Request, VLMError
+from pix2pred.vlm.request import VLM, Answer, Purpose, Request, VLMError
 
 CHARACTERS_PER_TOKEN = 4
 ASSUMED_WORDS = 8
@@ -53,13 +53,16 @@ class Estimate:
 class EstimatingVLM:
     """Answers without asking and counts what would have been sent.
 
+    ``around`` makes the model out of what counts the questions to a store: that alone, or something that asks it less.
     ``thinking`` are the tokens a model thinks about each question; ``None`` for as many as it usually does.
     """
 
-    def __init__(self, stored: StoredVLM, rates: Rates | None, thinking: int | None = None) -> None:
-        self.name = stored.name
+    def __init__(
+        self, around: Callable[[Callable[[VLM], VLM]], VLM], rates: Rates | None, thinking: int | None = None
+    ) -> None:
         self.assumed = False
-        self._stored = stored
+        self._model = around(lambda stored: _Counted(self, stored))
+        self.name = self._model.name
         self._rates = rates
         self._thinking = thinking if thinking is not None else rates.thinking_tokens() if rates else 0
         self._counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
@@ -68,8 +71,12 @@ class EstimatingVLM:
 
     def answer(self, request: Request) -> Answer:
         """The stored answer, or an assumed one."""
+        return self._model.answer(request)
+
+    def counted(self, stored: VLM, request: Request) -> Answer:
+        """The answer of ``stored``, or an assumed one, counted."""
         try:
-            answer = self._stored.answer(request)
+            answer = stored.answer(request)
         except VLMError:
             answer = Answer(self._assumed(request))
         with self._lock:
@@ -158,6 +165,21 @@ class EstimatingVLM:
             atoms = [a for a in unary if a.partition("(")[0] not in known]
             return "\n".join(f"* {atom} | CHANGES | {_WHY}" for atom in atoms)
         return "\n".join(unary + [f"assumed_{i}({a}, {b})" for a, b in pairs for i in range(ASSUMED_WORDS // 2)])
+
+
+@dataclass(frozen=True, slots=True)
+class _Counted:
+    """A stored model whose questions are counted."""
+
+    counts: EstimatingVLM
+    stored: VLM
+
+    @property
+    def name(self) -> str:
+        return self.stored.name
+
+    def answer(self, request: Request) -> Answer:
+        return self.counts.counted(self.stored, request)
 
 
 def _labels(request: Request) -> str:

@@ -1,0 +1,344 @@
+"""Distilled readers: what they know and get right, and what tasks cost with one in front of its teacher.
+
+    python benchmarks/distil.py --domain burger --family combo --rate 0.05 --seed 3 --out runs/distil
+
+The teacher is the noisy oracle: the truth with a share of the labels turned round (--rate). It proposes and labels the
+published demonstrations of the seed and labels --episodes closed-loop episodes of other tasks; readers are distilled
+from the demonstrations and 0, 5, 20 and 50 of these episodes. Each is asked about --looks looks of other seeds, and
+--tasks tasks of another seed are solved in a closed loop with the cascade, and with the teacher alone. A row for each
+number of episodes is added to OUT/rows.jsonl; what is there is not computed again. ``--table`` prints all rows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pix2pred.api import generate
+from pix2pred.demos import project_digest
+from pix2pred.execution import Solver
+from pix2pred.execution.belief.perception import Believing
+from pix2pred.learning.samplers.file import load_samplers
+from pix2pred.pipeline import LearningProblem
+from pix2pred.predicates import ground_atoms, labeller_for
+from pix2pred.predicates.prompt import atom_text, views
+from pix2pred.registry import _said, load_domain, load_planner
+from pix2pred.runs.distilling.distil import Sources, distil
+from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.layout import MODEL, SAMPLERS
+from pix2pred.runs.learn import learn_into, run_config
+from pix2pred.settings import Settings, of_kind, of_project, resolve
+from pix2pred.structs import Action, FromVLM, Object, State, Task, WorldModel
+from pix2pred.structs.environment import Environment, SimulatedTask, Step
+from pix2pred.structs.formats.world_model import load_model
+from pix2pred.structs.views import View
+from pix2pred.vlm import VLM, Answer, AnswerStore, Request, StoredVLM
+from pix2pred.vlm.distilled.cascade import Cascade
+from pix2pred.vlm.distilled.files import WEIGHTS, read_reader
+from pix2pred.vlm.distilled.looks import Look
+from pix2pred.vlm.distilled.reader import DistilledReader
+from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
+from pix2pred.vlm.offline.model import WordDoc, load_words
+from pix2pred.vlm.offline.prompt_format import KnownWord
+
+CURVE = (0, 5, 20, 50)
+EPISODE_SEED, TASK_SEED, LOOK_SEED = 1000, 2000, 3000
+"""Added to the seed: none of these scenes is among the demonstrations."""
+
+
+@dataclass
+class World:
+    """A domain whose truth is noted, picture by picture, wherever it is looked at."""
+
+    domain: Any
+    family: str
+    known: dict[str, dict[tuple[str, ...], bool | None]] = field(default_factory=dict)
+
+    @cached_property
+    def words(self) -> dict[tuple[str, tuple[str, ...]], WordDoc]:
+        return {(w.word, types): w for w, types in load_words(self.domain.reader).uses() if w.concept is not None}
+
+    def note(self, environment: Environment, state: State, objects: Sequence[Object]) -> None:
+        """Remember what is true in the environment's present state, under the digests of its pictures."""
+        if any(p.image.digest in self.known for p in state.pictures):
+            return
+        truth: dict[tuple[str, ...], bool | None] = {}
+        by_type: dict[str, list[Object]] = {}
+        for item in sorted(objects):
+            by_type.setdefault(item.type.name, []).append(item)
+        for (word, types), doc in self.words.items():
+            for chosen in product(*(by_type.get(t, []) for t in types)):
+                if len(set(chosen)) == len(chosen):
+                    holds = self.domain.concept_holds(environment, doc.concept, [o.name for o in chosen])
+                    truth[word, *(o.prompt_name for o in chosen)] = None if holds is None else holds != doc.negated
+        for picture in state.pictures:
+            self.known[picture.image.digest] = truth
+
+    def holds(self, view: View, word: str, names: Sequence[str]) -> bool | None:
+        return self.known[view.picture.image.digest].get((word, *names))
+
+    def oracle(self, rate: float, seed: int) -> NoisyOracle:
+        words = [KnownWord(w, types, str(d.concept), d.negated) for (w, types), d in self.words.items()]
+        return NoisyOracle(words, self.holds, NoiseRates(flip=rate), seed)
+
+    def visit(self, seed: int) -> list[tuple[State, Sequence[Object]]]:
+        """The states of the demonstrations of a seed, with their truth noted."""
+        seen = []
+        starts = self.domain.demonstration_starts(self.family, seed)
+        for start, demo in zip(starts, self.domain.demonstrations(self.family, seed), strict=True):
+            environment = self.domain.environment(start.task, start.simulator)
+            environment.reset()
+            for t, state in enumerate(demo.states):
+                if t:
+                    environment.execute(demo.actions[t - 1])
+                self.note(environment, state, demo.objects)
+                seen.append((state, demo.objects))
+        return seen
+
+    def environment(self, task: SimulatedTask) -> Watched:
+        made = Watched(self, self.domain.environment(task.task, task.simulator), task.task)
+        made.reset()
+        return made
+
+
+@dataclass
+class Watched:
+    """An environment whose truth is noted whenever it is looked at."""
+
+    world: World
+    inner: Environment
+    task: Task
+
+    def reset(self) -> None:
+        self.inner.reset()
+        self.world.note(self.inner, self.task.initial, self.task.objects)
+
+    def observe(self) -> State:
+        state = self.inner.observe()
+        self.world.note(self.inner, state, self.task.objects)
+        return state
+
+    def features(self) -> Any:
+        return self.inner.features()
+
+    def execute(self, action: Action) -> Step:
+        return self.inner.execute(action)
+
+    def goal_reached(self) -> bool:
+        return self.inner.goal_reached()
+
+
+@dataclass
+class Counting:
+    """Counts questions."""
+
+    model: VLM
+    questions: int = 0
+
+    @property
+    def name(self) -> str:
+        return self.model.name
+
+    def answer(self, request: Request) -> Answer:
+        self.questions += 1
+        return self.model.answer(request)
+
+
+@dataclass
+class Study:
+    """One teacher on one seed of a family."""
+
+    world: World
+    rate: float
+    seed: int
+    out: Path
+
+    @cached_property
+    def teacher(self) -> NoisyOracle:
+        return self.world.oracle(self.rate, self.seed)
+
+    @cached_property
+    def run(self) -> RunFolder:
+        """The learned run, learned once; demonstrations are visited for their truth."""
+        world, path = self.world, self.out / "run"
+        project = generate(world.domain.name, world.family, self.seed)
+        self.settings: Settings = resolve(of_kind(project.simulator), of_project(project.sections))
+        if not (path / MODEL).exists():
+            world.visit(self.seed)
+            vlm = StoredVLM(self.teacher, AnswerStore(path))
+            problem = LearningProblem(project.vocabulary, project.demos, vlm, self.settings)
+            with RunFolder(path).locked() as run:
+                run.claim(run_config(problem, project_digest(project), "oracle", path, project.simulator))
+                learn_into(run, problem)
+        return RunFolder(path)
+
+    @cached_property
+    def model(self) -> WorldModel:
+        return load_model(self.run.path / MODEL)
+
+    def solve(self, vlm: VLM, tasks: Sequence[SimulatedTask]) -> int:
+        path = self.run.path / SAMPLERS
+        samplers = dict(load_samplers(path)) if path.exists() else {}
+        labeller = labeller_for(vlm, self.settings.labels)
+        solver = Solver(
+            self.model, load_planner("portfolio"), labeller, True, samplers=samplers, perceiving=Believing()
+        )
+        return sum(solver.solve(t.task, self.world.environment(t)).solved for t in tasks)
+
+    def tasks(self, seed: int, count: int) -> Sequence[SimulatedTask]:
+        made: Sequence[SimulatedTask] = self.world.domain.tasks(self.world.family, self.seed + seed, count)
+        return made
+
+    def episodes(self, count: int) -> tuple[Path, ...]:
+        """Answer stores with the first ``count`` episodes, a store for each step of the curve."""
+        stores = []
+        for first, last in pairwise(CURVE):
+            if last > count:
+                break
+            folder = self.out / f"episodes-{last}"
+            if not (folder / "done").exists():
+                vlm = StoredVLM(self.teacher, AnswerStore(folder))
+                self.solve(vlm, self.tasks(EPISODE_SEED, last)[first:])
+                (folder / "done").write_text("")
+            stores.append(folder)
+        return tuple(stores)
+
+    def row(self, episodes: int, looks: int, tasks: int) -> dict[str, Any]:
+        folder = self.out / f"reader-{episodes}"
+        run = self.run
+        stores = self.episodes(episodes)
+        start = time.process_time()
+        card = distil(Sources(run.path, stores), folder)
+        seconds = time.process_time() - start
+        reader = DistilledReader(*read_reader(folder))
+        asked = Counting(self.teacher)
+        cascade = Cascade(reader, asked, _said)
+        solved = self.solve(cascade, self.tasks(TASK_SEED, tasks)) if tasks else 0
+        alone = Counting(self.teacher)
+        by_teacher = self.solve(alone, self.tasks(TASK_SEED, tasks)) if tasks else 0
+        said = cascade.tally.as_dict()
+        return {
+            "domain": self.world.domain.name, "family": self.world.family, "rate": self.rate, "seed": self.seed,
+            "episodes": episodes, **self.read(folder, looks),
+            "tasks": tasks, "solved": solved, "solved_by_teacher": by_teacher,
+            "questions": asked.questions, "questions_of_teacher": alone.questions,
+            **{k: v for k, v in said.items() if k in ("by_reader", "by_model", "checked", "differed")},
+            "looks_taught": card.made_from.looks, "labels": card.made_from.labels, "doubted": card.made_from.doubted,
+            "teacher_error": round(float(np.mean([w.teacher_error for w in card.words] or [0.0])), 4),
+            "selected": [p.name for p in self.model.selected], "untaught": [u.word for u in card.untaught],
+            "kilobytes": round((folder / WEIGHTS).stat().st_size / 1000), "distil_seconds": round(seconds, 1),
+        }  # fmt: skip
+
+    @cached_property
+    def fresh(self) -> list[tuple[State, Sequence[Object]]]:
+        """States of other seeds: of demonstrations, and the first ones of tasks."""
+        rng = np.random.default_rng(self.seed)
+        found: list[tuple[State, Sequence[Object]]] = []
+        for task in self.tasks(LOOK_SEED, 40):
+            self.world.environment(task)
+            found.append((task.task.initial, task.task.objects))
+        seed = self.seed + LOOK_SEED
+        while len(found) < self.wanted:
+            found += self.world.visit(seed)
+            seed += 1
+        return [found[i] for i in sorted(rng.permutation(len(found))[: self.wanted])]
+
+    wanted: int = 200
+
+    def read(self, folder: Path, looks: int) -> dict[str, Any]:
+        """What the reader says about fresh looks: shares answered, and right of what is answered and of all."""
+        self.wanted = looks
+        model, _, _ = read_reader(folder)
+        asked = [p for p in self.model.predicates if isinstance(p.source, FromVLM)]
+        count: Counter[str] = Counter()
+        fresh, start = self.fresh, time.process_time()
+        for state, objects in fresh:
+            atoms = ground_atoms(asked, objects)
+            shown = views(state, 0, objects, marks=False)
+            look = Look(tuple(v.picture for v in shown), {o.prompt_name: o.type.name for o in objects})
+            texts = [(atom_text(a).partition("(")[0], tuple(o.prompt_name for o in a.objects)) for a in atoms]
+            for (word, names), reading in zip(texts, model.read(look, texts), strict=True):
+                truth = self.world.holds(shown[0], word, names)
+                if truth is None:
+                    continue
+                count["atoms"] += 1
+                count[f"why {reading.why}"] += 1
+                count["answered"] += reading.value is not None
+                count["right"] += reading.value == truth
+        milliseconds = 1000 * (time.process_time() - start) / max(1, len(fresh))
+        return {
+            "looks": len(fresh), "atoms": count["atoms"],
+            "answered": round(count["answered"] / max(1, count["atoms"]), 4),
+            "right": round(count["right"] / max(1, count["answered"]), 4),
+            "why": {k[4:]: v for k, v in sorted(count.items()) if k.startswith("why ")},
+            "ms_per_look": round(milliseconds, 2),
+        }  # fmt: skip
+
+
+def table(rows: Sequence[dict[str, Any]]) -> str:
+    """A line for each domain, rate and number of episodes, over all seeds."""
+    cells: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for row in rows:
+        cells.setdefault((row["domain"], row["family"], row["rate"], row["episodes"]), []).append(row)
+    lines = [
+        "| domain | family | wrong labels | episodes | answered | right | solved (teacher) | questions (teacher) |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for (domain, family, rate, episodes), found in sorted(cells.items()):
+        answered = sum(r["answered"] * r["atoms"] for r in found)
+        right = sum(r["right"] * r["answered"] * r["atoms"] for r in found) / max(1.0, answered)
+        share = answered / max(1, sum(r["atoms"] for r in found))
+        solved, by_teacher = (sum(r[k] for r in found) for k in ("solved", "solved_by_teacher"))
+        tasks = sum(r["tasks"] for r in found)
+        few, many = (sum(r[k] for r in found) / max(1, tasks) for k in ("questions", "questions_of_teacher"))
+        lines.append(
+            f"| {domain} | {family} | {rate:.0%} | {episodes} | {share:.1%} | {right:.1%} | {solved} ({by_teacher}) "
+            f"of {tasks} | {few:.1f} ({many:.1f}) |"
+        )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--domain", default="burger")
+    parser.add_argument("--family", default="combo")
+    parser.add_argument("--rate", type=float, nargs="*", default=[0.02, 0.05])
+    parser.add_argument("--seed", type=int, default=3)
+    parser.add_argument("--episodes", type=int, nargs="*", default=[0, 5, 20])
+    parser.add_argument("--looks", type=int, default=200)
+    parser.add_argument("--tasks", type=int, default=10)
+    parser.add_argument("--out", type=Path, default=Path("runs/distil"))
+    parser.add_argument("--table", action="store_true")
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    path = arguments.out / "rows.jsonl"
+    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    if arguments.table:
+        print(table(rows))
+        return
+    done = {(r["domain"], r["family"], r["rate"], r["seed"], r["episodes"]) for r in rows}
+    for rate in arguments.rate:
+        world = World(load_domain(arguments.domain), arguments.family)
+        name = f"{arguments.domain}-{arguments.family}-{rate:g}-{arguments.seed}"
+        study = Study(world, rate, arguments.seed, arguments.out / name)
+        for episodes in arguments.episodes:
+            if (arguments.domain, arguments.family, rate, arguments.seed, episodes) in done:
+                continue
+            row = study.row(episodes, arguments.looks, arguments.tasks)
+            with path.open("a") as stream:
+                stream.write(json.dumps(row) + "\n")
+            print(json.dumps(row), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Distilling a run: from its labels and pictures to a reader's folder."""

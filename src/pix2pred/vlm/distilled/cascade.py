@@ -1,0 +1,156 @@
+"""``cascade:READER,MODEL``: the reader says what it knows, and the large model is asked about the rest alone.
+
+One question a look at most. In a seeded share of the looks, what the reader is sure of is put into the same question as
+a check: whole looks, because a look costs one question whatever it asks about. The reader's answer stands all the same,
+so that checking changes no result.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from pix2pred.vlm.distilled.model import Reading
+from pix2pred.vlm.distilled.question import LABELLING, LabelQuestion, about
+from pix2pred.vlm.distilled.reader import DistilledReader, Line, written
+from pix2pred.vlm.distilled.tally import Checked, Tally
+from pix2pred.vlm.offline.prompt_format import AskedAtom
+from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, Token
+
+CHECKED = 0.02
+"""The share of looks whose sure answers are checked, and so of sure answers."""
+
+SaidOf = Callable[[str, Sequence[str]], Mapping[str, bool]]
+"""The values, true or false, that an answer gives to atoms, by their texts."""
+
+
+@dataclass(slots=True)
+class Cascade:
+    """Implements ``VLM``. ``said_of`` reads the large model's answers, to compare them with the reader's."""
+
+    reader: DistilledReader
+    model: VLM
+    said_of: SaidOf
+    checked: float = CHECKED
+    seed: int = 0
+    tally: Tally = field(default_factory=Tally)
+
+    @property
+    def name(self) -> str:
+        """Both names."""
+        return f"cascade:{self.reader.name.partition(':')[2]},{self.model.name}"
+
+    def answer(self, request: Request) -> Answer:
+        """The reader's lines and the large model's; what is no question about labels goes to the large model."""
+        if request.purpose not in LABELLING:
+            return self.model.answer(request)
+        question = LabelQuestion.of(request)
+        readings = self.reader.readings(question)
+        sure = [a for a in question.atoms if readings and all(r[a].value is not None for r in readings.values())]
+        rest = [a for a in question.atoms if a not in set(sure)]
+        look = _name_of(question)
+        audited = sure if self._draw(look) < self.checked else []
+        known = {number: {a: of_state[a] for a in sure} for number, of_state in readings.items()}
+        lines = self.reader.lines(request.purpose, replace(question, atoms=tuple(sure)), known)
+        asked = [a for a in question.atoms if a in {*rest, *audited}]
+        if not asked:
+            self.tally.note(look, [str(a) for a in sure], [], [], None)
+            return written(request.text, lines)
+        smaller = about(request, asked)
+        if request.review is not None:
+            smaller = replace(smaller, review=_reviewing(request, lines))
+        answer = self._asked(smaller, lines)
+        checks = self._checks(answer, audited, readings)
+        self.tally.note(look, [str(a) for a in sure], [str(a) for a in rest], checks, smaller.key(self.model.name))
+        return merged(answer, lines)
+
+    def stop(self) -> None:
+        """End all waiting of the large model."""
+        if isinstance(self.model, Stoppable):
+            self.model.stop()
+
+    def _asked(self, request: Request, lines: Sequence[Line]) -> Answer:
+        """The large model's answer; an empty one where it gives none, so that what was read is kept."""
+        try:
+            answer = self.model.answer(request)
+        except NoAnswerError:
+            if not lines:
+                raise
+            return Answer("")
+        return Answer("", answer.stored, spent=answer.spent) if lines and answer.finish == Finish.REFUSED else answer
+
+    def _draw(self, look: str) -> float:
+        """A number in [0, 1) that seed and pictures decide."""
+        text = f"{self.seed}|{look}"
+        return float(int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56)
+
+    def _checks(
+        self, answer: Answer, audited: Sequence[AskedAtom], readings: Mapping[int, Mapping[AskedAtom, Reading]]
+    ) -> list[Checked]:
+        """What the large model says about sure answers in the latest state."""
+        latest = readings[max(readings)] if audited else {}
+        said = self.said_of(answer.text, [str(a) for a in audited]) if audited else {}
+        error = {(doc.word, len(doc.kinds)): doc.teacher_error for doc in self.reader.card.words}
+        found = []
+        for atom in audited:
+            if str(atom) in said:
+                reading = latest[atom]
+                wrong = min(reading.probability, 1 - reading.probability)
+                expected = wrong + error.get((atom.word, len(atom.names)), 0.0)
+                found.append(Checked(str(atom), expected, said[str(atom)] != reading.value))
+        return found
+
+
+def _name_of(question: LabelQuestion) -> str:
+    return "|".join(p.image.digest for look in question.looks.values() for p in look.pictures)
+
+
+def _reviewing(request: Request, lines: Sequence[Line]) -> Callable[[str], Any]:
+    review = request.review
+    assert review is not None, "there is something to pass on"
+    return lambda text: review(merged(Answer(text), lines).text)
+
+
+def merged(answer: Answer, lines: Sequence[Line]) -> Answer:
+    """The large model's answer with the reader's lines after it, or among its values where it is JSON."""
+    if not lines or answer.finish in (Finish.CUT_SHORT, Finish.TOO_LARGE):
+        return answer
+    if (document := _json_of(answer.text)) is not None:
+        return replace(answer, text=json.dumps(_with_rows(document, lines)), tokens=())
+    between = "\n" if answer.text and not answer.text.endswith("\n") else ""
+    own = written("", lines)
+    pieces = answer.tokens if "".join(t.text for t in answer.tokens) == answer.text else (Token(answer.text, ()),)
+    return replace(
+        answer,
+        text=answer.text + between + own.text,
+        tokens=(*pieces, Token(between, ()), *own.tokens),
+    )
+
+
+def _json_of(text: str) -> Any:
+    """The JSON document that an answer is, fences and sentences around it aside; ``None`` for prose."""
+    for opening, closing in (("{", "}"), ("[", "]")):
+        first, last = text.find(opening), text.rfind(closing) + 1
+        try:
+            found = json.loads(text[first:last] if 0 <= first < last else "")
+        except (ValueError, RecursionError):
+            continue
+        if isinstance(found, dict | list):
+            return found
+    return None
+
+
+def _with_rows(document: Any, lines: Sequence[Line]) -> Any:
+    """The document with a row more for each line, where readers of such answers look for them."""
+    rows = []
+    for line in lines:
+        atom, _, rest = line.text.removeprefix("* ").partition(": ")
+        value, _, why = rest.partition(". ")
+        rows.append({"atom": atom, "explanation": why, "value": value})
+    if isinstance(document, list):
+        return [*document, *rows]
+    values = document.get("values")
+    return document | {"values": [*values, *rows] if isinstance(values, list) else rows}

@@ -1,0 +1,1 @@
+"""Training a distilled reader from labelled looks."""

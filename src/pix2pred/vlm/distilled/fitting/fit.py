@@ -1,0 +1,230 @@
+"""Making a reader of a lesson: components, codes, words and bars, and how good it is on demonstrations left out."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from pix2pred.system.progress import Progress, Stage, silent
+from pix2pred.vlm.distilled.codes import RegionCode
+from pix2pred.vlm.distilled.fitting.components import region_code, spreads_in_kernel
+from pix2pred.vlm.distilled.fitting.lesson import FitSettings, Lesson, LessonError
+from pix2pred.vlm.distilled.fitting.rows import Row, RowsOfKinds, Seen, folds_of, rows_by_kinds, see_rows, thinned
+from pix2pred.vlm.distilled.fitting.teaching import Ints, TaughtWord, WordRows, teach
+from pix2pred.vlm.distilled.machine import Layout, squared_distances
+from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, Taught
+from pix2pred.vlm.distilled.regions import Kinds, kinds_of_regions
+from pix2pred.vlm.distilled.sight import Array
+
+USUAL_NEAREST = 0.98
+"""The share of rows of demonstrations left out whose distance from the others is at most the usual one."""
+_LEAST_NEAREST = 1e-2
+
+
+@dataclass(frozen=True, slots=True)
+class WordResult:
+    """How a word did on demonstrations left out: units seen, true ones, answered, and answers as the teacher's.
+
+    ``teacher_error`` is the share of the teacher's labels that the reader takes to be wrong.
+    """
+
+    word: str
+    kinds: Kinds
+    seen: int
+    true: int
+    answered: int
+    right: int
+    teacher_error: float
+
+
+@dataclass(frozen=True, slots=True)
+class Untaught:
+    """A word that was left out, and why, in words for people."""
+
+    word: str
+    kinds: Kinds
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fitted:
+    """A reader, how each of its words did, and the words that could not be taught."""
+
+    model: DistilledModel
+    results: tuple[WordResult, ...]
+    untaught: tuple[Untaught, ...]
+
+
+def fit(lesson: Lesson, settings: FitSettings, progress: Progress = silent) -> Fitted:
+    """A reader of what ``lesson`` shows. Raises ``LessonError`` when there is nothing that can be learned.
+
+    Linear algebra runs on one core, because its results depend on how many share the work.
+    """
+    with threadpool_limits(limits=1):
+        return _fit(lesson, settings, progress)
+
+
+def _fit(lesson: Lesson, settings: FitSettings, progress: Progress) -> Fitted:
+    if len(set(lesson.groups)) < 2:
+        raise LessonError(
+            f"labels of {len(set(lesson.groups))} demonstration cannot teach a reader: it must be measured on one that "
+            "it has not seen. Add demonstrations, or episodes with --with"
+        )
+    found = rows_by_kinds(lesson)
+    if not found:
+        raise LessonError("none of the labelled atoms is about something that a picture shows; nothing can be learned")
+    found, untaught = _teachable(lesson, found, settings)
+    if not found:
+        first = untaught[0]
+        raise LessonError(
+            f"nothing can be learned: {first.word} {first.reason}"
+            + (f", and {len(untaught) - 1} others are no better" if len(untaught) > 1 else "")
+        )
+    found = thinned(found, settings)
+    seen = see_rows(lesson, found, settings)
+    regions = {kind: region_code(vectors, seen.groups[kind]) for kind, vectors in seen.vectors.items()}
+    fold = folds_of([lesson.groups[row.look] for group in found.values() for row in group.rows], settings.folds)
+    bars = Bars(settings.sure, settings.strange)
+    kinds_models: dict[Kinds, KindsModel] = {}
+    results: list[WordResult] = []
+    count = sum(len(group.labels) for group in found.values())
+    for kinds, group in found.items():
+        progress(Stage.DISTIL, len(results), count, ", ".join(kinds))
+        folds = np.array([fold[lesson.groups[row.look]] for row in group.rows])
+        model, strange = _kinds_model(kinds, seen, regions, folds)
+        taught = {word: _teach(model, group, word, folds, settings) for word in sorted(group.labels)}
+        kinds_models[kinds] = KindsModel(
+            model.layout, model.rows, model.relation, model.nearest,
+            {word: Taught(t.machine, t.calibration) for word, t in taught.items()},
+        )  # fmt: skip
+        results += [_result(word, kinds, t, _by_unit(group, strange), bars) for word, t in taught.items()]
+    progress(Stage.DISTIL, count, count, "")
+    return Fitted(DistilledModel(regions, kinds_models, bars), tuple(results), tuple(untaught))
+
+
+def _teachable(
+    lesson: Lesson, found: Mapping[Kinds, RowsOfKinds], settings: FitSettings
+) -> tuple[dict[Kinds, RowsOfKinds], list[Untaught]]:
+    """The words with enough examples of either value, and the others."""
+    kept: dict[Kinds, RowsOfKinds] = {}
+    untaught = []
+    for kinds, group in found.items():
+        labels: defaultdict[str, dict[Row, tuple[bool, float]]] = defaultdict(dict)
+        for word, by_row in sorted(group.labels.items()):
+            reason = _lacking(lesson, by_row, settings)
+            if reason:
+                untaught.append(Untaught(word, kinds, reason))
+            else:
+                labels[word] = by_row
+        if labels:
+            rows = dict.fromkeys(row for row in group.rows if any(row in by_row for by_row in labels.values()))
+            kept[kinds] = RowsOfKinds(rows, labels)
+    return kept, untaught
+
+
+def _lacking(lesson: Lesson, labels: Mapping[Row, tuple[bool, float]], settings: FitSettings) -> str:
+    """What a word lacks; empty when it can be taught."""
+    for value in (True, False):
+        groups = Counter(lesson.groups[row.look] for row, (label, _) in labels.items() if label == value)
+        if not groups:
+            return f"is labelled {not value} always, which shows no difference to learn"
+        if groups.total() < settings.least or len(groups) < 2:
+            many = f"{groups.total()} time{'s' if groups.total() > 1 else ''} in {len(groups)} demonstration"
+            return f"is labelled {value} only {many}{'s' if len(groups) > 1 else ''}"
+    return ""
+
+
+def _kinds_model(kinds: Kinds, seen: Seen, regions: Mapping[str, RegionCode], folds: Ints) -> tuple[KindsModel, Array]:
+    """Codes of all rows, copies after originals, and how strange each original is when its fold is left out."""
+    places, relations = seen.places[kinds], seen.relations[kinds]
+    copies, count = places.shape[:2]
+    parts: dict[str, Array] = {}
+    spreads: list[Array] = []
+    strange = np.zeros(count, dtype=np.float32)
+    for i, kind in enumerate(kinds_of_regions(kinds)):
+        vectors = seen.vectors[kind][places[:, :, i].ravel()].astype(np.float32)
+        coded = regions[kind](vectors)
+        strange = np.maximum(strange, coded.strange[:count])
+        parts |= {f"{i}.{name}": part for name, part in coded.parts.items()}
+        spreads += spreads_in_kernel(list(regions[kind].parts.values()))
+    mean, deviation = relations.mean(axis=0), np.maximum(relations.std(axis=0), 0.05)
+    if relations.shape[1]:
+        parts["layout"] = np.tile((relations - mean) / deviation, (copies, 1))
+        spreads.append(np.full(relations.shape[1], 1 / np.sqrt(relations.shape[1])))
+    ends = np.cumsum([part.shape[1] for part in parts.values()])
+    layout = Layout(
+        {name: (int(end - part.shape[1]), int(end)) for (name, part), end in zip(parts.items(), ends, strict=True)},
+        np.concatenate(spreads).astype(np.float32),
+    )
+    rows = np.concatenate(list(parts.values()), axis=1).astype(np.float16).astype(np.float32)
+    nearest = _nearest(layout, rows, folds, copies)
+    usual = max(_LEAST_NEAREST, float(np.quantile(nearest, USUAL_NEAREST)))
+    strange = np.maximum(strange, np.sqrt(nearest / usual)).astype(np.float32)
+    relation = np.stack([mean, deviation]) if relations.shape[1] else np.zeros((2, 0))
+    return KindsModel(layout, rows, relation.astype(np.float32), usual, {}), strange
+
+
+def _nearest(layout: Layout, rows: Array, folds: Ints, copies: int) -> Array:
+    """Of every original row the squared distance to the nearest row of another fold."""
+    count = len(folds)
+    everywhere = np.tile(folds, copies)
+    nearest = np.zeros(count, dtype=np.float32)
+    columns = list(range(rows.shape[1]))
+    for fold in np.unique(folds):
+        out = np.flatnonzero(folds == fold)
+        others = rows[everywhere != fold]
+        if len(others):
+            nearest[out] = squared_distances(layout, columns, rows[out], others).min(axis=1)
+    return nearest
+
+
+def _teach(model: KindsModel, group: RowsOfKinds, word: str, folds: Ints, settings: FitSettings) -> TaughtWord:
+    labels, rows = group.labels[word], list(group.rows)
+    indices = np.array([i for i, row in enumerate(rows) if row in labels])
+    copies = len(model.rows) // len(rows)
+    unit = _units(rows)
+    own = [labels[rows[i]] for i in indices]
+    everywhere = np.concatenate([indices + c * len(rows) for c in range(copies)])
+    mine = WordRows(
+        everywhere,
+        np.tile([label for label, _ in own], copies),
+        np.tile([weight / copies for _, weight in own], copies),
+        np.tile(folds[indices], copies),
+        np.tile([unit[rows[i].look, rows[i].names] for i in indices], copies),
+        everywhere < len(rows),
+    )
+    return teach(model.layout, model.rows, mine, np.random.default_rng([settings.seed, 2]))
+
+
+def _units(rows: Sequence[Row]) -> dict[tuple[int, tuple[str, ...]], int]:
+    units: dict[tuple[int, tuple[str, ...]], int] = {}
+    for row in rows:
+        units.setdefault((row.look, row.names), len(units))
+    return units
+
+
+def _by_unit(group: RowsOfKinds, strange: Array) -> dict[int, float]:
+    """How strange each unit looks in the picture in which it looks least so."""
+    rows = list(group.rows)
+    unit = _units(rows)
+    found: dict[int, float] = {}
+    for row, value in zip(rows, strange, strict=True):
+        number = unit[row.look, row.names]
+        found[number] = min(found.get(number, np.inf), float(value))
+    return found
+
+
+def _result(word: str, kinds: Kinds, taught: TaughtWord, strange: Mapping[int, float], bars: Bars) -> WordResult:
+    answered = right = 0
+    for unit, score, label in zip(taught.units, taught.scores, taught.labels, strict=True):
+        p = taught.calibration.probability(float(score))
+        if max(p, 1 - p) >= bars.sure and strange[int(unit)] <= bars.strange:
+            answered += 1
+            right += (p > 0.5) == label
+    return WordResult(
+        word, kinds, len(taught.labels), int(taught.labels.sum()), answered, right, taught.calibration.error
+    )

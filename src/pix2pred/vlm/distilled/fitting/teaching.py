@@ -1,0 +1,162 @@
+"""Teaching one word: which kernel fits it best, what it says about demonstrations left out, and its probabilities.
+
+Kernel ridge regression on labels of +1 and -1, both values weighing alike. Leaving demonstrations out needs no second
+fit: with A = K + D, the score of a left-out block is its labels minus the solution of A^-1's block for its weights
+(Rasmussen and Williams 2006, 5.4.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from pix2pred.vlm.distilled.calibration import Calibration, calibrate
+from pix2pred.vlm.distilled.machine import Kernel, Layout, WordMachine, gram
+from pix2pred.vlm.distilled.model import joint
+from pix2pred.vlm.distilled.sight import Array
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+
+RIDGES = (0.03, 0.2, 1.0)
+"""Variances of labels about scores that are tried; codes have a variance of about 1."""
+MIXTURES = ((1.0, 1.0), (0.5, 4.0), (0.0, 4.0), (0.0, 1.0))
+"""Share of the linear kernel and squared length of the Gaussian one, in units of the mean squared distance of rows."""
+_LEAST_MASS = 1e-3
+_MOST_TRIED = 600
+"""Rows on which kernels are compared; the chosen one is fitted to all."""
+_ROUNDS, _CHOSEN_AGAIN = 4, 2
+"""Times that labels are replaced by how probably they are true, given what the reader makes of all the others, and that
+a kernel is chosen for them."""
+
+
+@dataclass(frozen=True, slots=True)
+class WordRows:
+    """The rows that a word has labels for: their indices among all, and what is known of each.
+
+    ``unit`` numbers what is answered as one: the same objects in all pictures of a look. Changed copies of a row come
+    after the rows themselves and have their unit; ``originals`` says which are none.
+    """
+
+    rows: Ints
+    labels: Bools
+    weights: Floats
+    folds: Ints
+    units: Ints
+    originals: Bools
+
+    def part(self, kept: Bools) -> WordRows:
+        """The rows with a true value in ``kept``."""
+        return WordRows(
+            self.rows[kept], self.labels[kept], self.weights[kept], self.folds[kept], self.units[kept],
+            self.originals[kept],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class TaughtWord:
+    """A word's machine and curve, and its scores for what was left out, one for each unit with its label."""
+
+    machine: WordMachine
+    calibration: Calibration
+    units: Ints
+    scores: Floats
+    labels: Bools
+
+
+def teach(layout: Layout, codes: Array, mine: WordRows, rng: np.random.Generator) -> TaughtWord:
+    """The best machine for one word, of the kernels and ridges that are tried."""
+    chosen = _sample(mine, rng)
+    tried = mine.part(chosen)
+    candidates = list(_candidates(layout, codes[tried.rows]))
+    truth = mine.labels.astype(np.float64)
+    for number in range(_ROUNDS):
+        if number < _CHOSEN_AGAIN:
+            qualities = [_quality(layout, codes, tried, truth[chosen], *candidate) for candidate in candidates]
+            kernel, ridge = candidates[int(np.argmax(qualities))]
+        scores, weights = _left_out(layout, codes, mine, truth, kernel, ridge)
+        units, joined, labels, trust = _by_unit(mine, scores)
+        calibration = calibrate(joined, labels, trust).curve
+        known = dict(zip(units.tolist(), calibration.truth(joined, labels), strict=True))
+        truth = np.array([known[int(unit)] for unit in mine.units])
+    everywhere = np.zeros(len(codes), dtype=np.float32)
+    everywhere[mine.rows] = weights
+    return TaughtWord(WordMachine(kernel, everywhere), calibration, units, joined, labels)
+
+
+def _candidates(layout: Layout, codes: Array) -> Iterator[tuple[Kernel, float]]:
+    for parts in _choices_of_parts(layout):
+        usual = _usual_distance(layout, codes, parts)
+        for (linear, scale), ridge in product(MIXTURES, RIDGES):
+            yield Kernel(linear, scale * usual, parts), ridge
+
+
+def _choices_of_parts(layout: Layout) -> list[tuple[str, ...]]:
+    """All parts; all but where things are; and shapes and colours of the objects alone."""
+    everything = tuple(layout.places)
+    placeless = tuple(p for p in everything if not p.endswith(".place"))
+    close = tuple(p for p in placeless if not p.endswith(".around"))
+    return list(dict.fromkeys((everything, placeless, close)))
+
+
+def _usual_distance(layout: Layout, codes: Array, parts: Sequence[str]) -> float:
+    columns = layout.columns(parts)
+    variances = codes[:, columns].astype(np.float64).var(axis=0) * layout.shares()[columns]
+    return max(1e-3, float(2 * variances.sum() / len(parts)))
+
+
+def _sample(mine: WordRows, rng: np.random.Generator) -> Bools:
+    """At most so many rows, whole units with their copies."""
+    units = rng.permutation(np.unique(mine.units))
+    share = min(1.0, _MOST_TRIED / len(mine.rows))
+    kept = np.isin(mine.units, units[: int(np.ceil(len(units) * share))])
+    enough = len(np.unique(mine.labels[kept])) == 2 and len(np.unique(mine.folds[kept])) > 1
+    return kept if enough else np.ones(len(kept), dtype=np.bool_)
+
+
+def _quality(layout: Layout, codes: Array, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float) -> float:
+    """How well scores of demonstrations left out foretell their labels: logarithm of likelihood."""
+    scores, _ = _left_out(layout, codes, mine, truth, kernel, ridge)
+    _, joined, labels, trust = _by_unit(mine, scores)
+    return calibrate(joined, labels, trust).likelihood
+
+
+def _left_out(
+    layout: Layout, codes: Array, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float
+) -> tuple[Floats, Array]:
+    """Scores of every row when its demonstration is left out, and the weights of rows when none is.
+
+    ``truth`` is how probably the atom of each row is true.
+    """
+    yes, no = (max(float(part.sum()), _LEAST_MASS) for part in (mine.weights * truth, mine.weights * (1 - truth)))
+    mass = mine.weights * (truth / yes + (1 - truth) / no) * (yes + no) / 2
+    own = codes[mine.rows]
+    matrix = gram(kernel, layout, own, own).astype(np.float64) + ridge * np.diag(mass.mean() / mass)
+    target = 2 * truth - 1
+    inverse = scipy.linalg.inv(matrix, check_finite=False)
+    weights = inverse @ target
+    scores = np.zeros(len(target))
+    for fold in np.unique(mine.folds):
+        out = np.flatnonzero(mine.folds == fold)
+        scores[out] = target[out] - np.linalg.solve(inverse[np.ix_(out, out)], weights[out])
+    return scores, weights.astype(np.float32)
+
+
+def _by_unit(mine: WordRows, scores: Floats) -> tuple[Ints, Floats, Bools, Floats]:
+    """Of every unit its number, one score of its pictures, its label and how far that is trusted."""
+    found: dict[int, list[int]] = {}
+    for i in np.flatnonzero(mine.originals):
+        found.setdefault(int(mine.units[i]), []).append(int(i))
+    copies = max(1.0, float(len(mine.rows)) / max(1, int(mine.originals.sum())))
+    return (
+        np.array(list(found), dtype=np.int64),
+        np.array([joint([float(scores[i]) for i in rows]) for rows in found.values()]),
+        np.array([bool(mine.labels[rows[0]]) for rows in found.values()]),
+        np.array([float(mine.weights[rows[0]]) * copies for rows in found.values()]),
+    )

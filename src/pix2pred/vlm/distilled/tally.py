@@ -1,0 +1,97 @@
+"""Who said what: the labels a reader gave, those the large model gave, and how often the two differed.
+
+A check is a sure answer that the large model was asked about all the same. When checks differ more often than the
+reader's own probabilities and its teacher's known errors allow, the scene has drifted away from what it was taught.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+DRIFT = 0.01
+"""Differences that chance explains with a smaller probability are called drift."""
+_LEAST_ERROR = 0.01
+"""What is expected of readers and teachers at least: nobody is right always."""
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """A sure answer that was checked: what chance of a difference was to be expected, and whether there was one."""
+
+    atom: str
+    expected: float
+    differed: bool
+
+
+@dataclass(slots=True)
+class Tally:
+    """Counts each atom of each look once, however often it is asked about."""
+
+    by_reader: set[tuple[str, str]] = field(default_factory=set)
+    by_model: set[tuple[str, str]] = field(default_factory=set)
+    checks: dict[tuple[str, str], Checked] = field(default_factory=dict)
+    questions: set[str] = field(default_factory=set)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def note(self, look: str, read: list[str], asked: list[str], checks: list[Checked], question: str | None) -> None:
+        """Note the atoms of a look that were read and those that were asked, checks, and the key of the question."""
+        with self._lock:
+            self.by_reader |= {(look, atom) for atom in read}
+            self.by_model |= {(look, atom) for atom in asked}
+            self.checks |= {(look, check.atom): check for check in checks}
+            self.questions |= {question} if question is not None else set()
+
+    @property
+    def differed(self) -> int:
+        """Checks in which the large model said otherwise."""
+        return sum(check.differed for check in self.checks.values())
+
+    @property
+    def chance(self) -> float:
+        """The probability of so many differences or more if nothing has drifted."""
+        rates = [max(_LEAST_ERROR, check.expected) for check in self.checks.values()]
+        if not rates:
+            return 1.0
+        mean, count = sum(rates) / len(rates), len(rates)
+        fewer = sum(math.comb(count, k) * mean**k * (1 - mean) ** (count - k) for k in range(self.differed))
+        return max(0.0, 1 - fewer)
+
+    @property
+    def drifted(self) -> bool:
+        """Whether the reader differs from the large model more often than can be chance."""
+        return self.chance < DRIFT
+
+    def as_dict(self) -> dict[str, Any]:
+        """JSON-compatible counts."""
+        return {
+            "by_reader": len(self.by_reader),
+            "by_model": len(self.by_model),
+            "questions": len(self.questions),
+            "checked": len(self.checks),
+            "differed": self.differed,
+            "drifted": self.drifted,
+        }
+
+    def line(self) -> str:
+        """One sentence for people."""
+        count = len(self.by_reader) + len(self.by_model)
+        text = (
+            f"{len(self.by_reader)} of {count} labels read, {len(self.by_model)} asked of the large model in "
+            f"{len(self.questions)} questions; {len(self.checks)} sure ones checked, {self.differed} differed"
+        )
+        if self.drifted:
+            text += ": more than chance allows. The scene has changed; distil again with 'pix2pred distil --resume'"
+        return text
+
+
+@runtime_checkable
+class Tallied(Protocol):
+    """A model that shares its work with another and counts who did what."""
+
+    @property
+    def tally(self) -> Tally:
+        """The counts so far."""
+        ...

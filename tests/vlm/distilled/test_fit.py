@@ -1,0 +1,152 @@
+"""Distilled readers: right about what they answer, and aware of what they do not know."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pix2pred.structs import Image, Picture
+from pix2pred.vlm.distilled.calibration import calibrate
+from pix2pred.vlm.distilled.fitting.fit import fit
+from pix2pred.vlm.distilled.fitting.lesson import Lesson, LessonError
+from pix2pred.vlm.distilled.looks import Look
+from pix2pred.vlm.distilled.model import Reading, Why
+from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, lesson, taught
+
+
+def read(look: Look, *atoms: tuple[str, ...]) -> list[Reading]:
+    return taught().model.read(look, [(word, tuple(names)) for word, *names in atoms])
+
+
+def answers(seed: int, count: int, bright: tuple[int, ...] = BRIGHT) -> tuple[float, float]:
+    """Of fresh looks the share of atoms that are answered, and of answers the share that is right."""
+    rng = np.random.default_rng(seed)
+    said = []
+    for _ in range(count):
+        look, truth = drawn(rng, bright)
+        said += [(r.value, value) for r, value in zip(read(look, *truth), truth.values(), strict=True)]
+    answered = [value == truth for value, truth in said if value is not None]
+    return len(answered) / len(said), sum(answered) / max(1, len(answered))
+
+
+def test_a_reader_is_right_about_fresh_looks_although_its_teacher_was_not_always() -> None:
+    answered, right = answers(2, 60)
+    assert answered >= 0.9 and right >= 0.98
+
+
+def test_the_card_says_how_words_did_on_demonstrations_left_out() -> None:
+    results = {result.word: result for result in taught().results}
+    assert set(results) == {"lit", "above"}
+    for result in results.values():
+        assert result.seen == 80 and 20 < result.true < 60
+        assert result.answered > 60 and 0.85 < result.right / result.answered < 1.0  # its teacher errs
+        assert 0.0 < result.teacher_error < 0.12
+
+
+def test_the_same_labels_give_the_same_reader_whatever_came_before() -> None:
+    one, other = fit(lesson(5, 4, 4), SETTINGS), fit(lesson(5, 4, 4), SETTINGS)
+    for kinds, model in one.model.kinds.items():
+        assert np.array_equal(model.rows, other.model.kinds[kinds].rows)
+        for word, word_taught in model.words.items():
+            assert np.array_equal(word_taught.machine.weights, other.model.kinds[kinds].words[word].machine.weights)
+
+
+def test_pixels_decide_and_boxes_alone_do_not() -> None:
+    rng = np.random.default_rng(3)
+    while True:
+        look, truth = drawn(rng)
+        if truth["lit", "lamp1"] != truth["lit", "lamp2"] and truth["above", "lamp1", "tray"]:
+            break
+    before = read(look, ("lit", "lamp1"), ("lit", "lamp2"))
+    picture = look.pictures[0]
+    pixels = picture.image.pixels().copy()
+    one, other = (
+        tuple(slice(int(a), int(b)) for a, b in ((box.top, box.bottom), (box.left, box.right)))
+        for box in (picture.boxes["lamp1"], picture.boxes["lamp2"])
+    )
+    pixels[one], pixels[other] = pixels[other].copy(), pixels[one].copy()
+    swapped = Look((replace(picture, image=Image.from_pixels(pixels)),), TYPES)
+    after = read(swapped, ("lit", "lamp1"), ("lit", "lamp2"))
+    assert [r.value for r in before] == [truth["lit", "lamp1"], truth["lit", "lamp2"]]
+    assert [r.value for r in after] == [truth["lit", "lamp2"], truth["lit", "lamp1"]]
+
+
+def test_it_does_not_know_what_it_cannot_see_or_was_not_taught() -> None:
+    look, _ = drawn(np.random.default_rng(4))
+    picture = look.pictures[0]
+    pixels = picture.image.pixels().copy()
+    box = picture.boxes["lamp1"]
+    pixels[int(box.top) : int(box.bottom), int(box.left) : int(box.right)] = 128
+    blank = Look((replace(picture, image=Image.from_pixels(pixels)),), TYPES)
+    gone = Look((Picture("front", picture.image, {n: b for n, b in picture.boxes.items() if n != "lamp1"}),), TYPES)
+    assert [r.why for r in read(blank, ("lit", "lamp1"), ("above", "lamp1", "tray"))] == [Why.BLANK, Why.BLANK]
+    assert read(gone, ("lit", "lamp1"))[0] == Reading(None, 0.5, Why.UNSEEN)
+    assert [r.why for r in read(look, ("warm", "lamp1"), ("lit", "tray"))] == [Why.UNTAUGHT, Why.UNTAUGHT]
+
+
+def test_another_look_of_things_lowers_coverage_before_accuracy() -> None:
+    usual, _ = answers(6, 25)
+    violet, right = answers(6, 25, (200, 40, 255))
+    assert violet < usual - 0.2 and right >= 0.95
+
+
+def test_another_world_under_the_same_names_is_strange() -> None:
+    rng = np.random.default_rng(7)
+    readings = []
+    for _ in range(10):
+        look, truth = drawn(rng)
+        pixels = rng.integers(0, 255, (96, 96, 3)).astype(np.uint8)
+        other = Look((replace(look.pictures[0], image=Image.from_pixels(pixels)),), TYPES)
+        readings += read(other, *truth)
+    assert sum(r.value is None for r in readings) >= 0.95 * len(readings)
+    assert {r.why for r in readings} >= {Why.STRANGE}
+
+
+def without(found: Lesson, word: str) -> Lesson:
+    return Lesson(found.looks, found.groups, [e for e in found.examples if e.word != word])
+
+
+def constant(found: Lesson) -> Lesson:
+    return Lesson(found.looks, found.groups, [replace(e, label=True) for e in found.examples])
+
+
+def test_lessons_that_teach_nothing_are_refused_in_one_sentence() -> None:
+    small = lesson(8, 3, 3)
+    one = Lesson(small.looks, ["demo"] * len(small.looks), small.examples)
+    for hostile, why in (
+        (one, "1 demonstration cannot teach"),
+        (constant(small), "is labelled True always"),
+        (Lesson(small.looks, small.groups, []), "nothing can be learned"),
+    ):
+        with pytest.raises(LessonError, match=why) as refused:
+            fit(hostile, SETTINGS)
+        assert "\n" not in str(refused.value)
+
+
+def test_a_word_that_never_changes_is_named_and_the_others_are_taught() -> None:
+    small = lesson(8, 4, 4)
+    examples = [replace(e, label=False) if e.word == "above" else e for e in small.examples]
+    fitted = fit(Lesson(small.looks, small.groups, examples), SETTINGS)
+    assert {r.word for r in fitted.results} == {"lit"}
+    assert [(u.word, u.reason.partition(",")[0]) for u in fitted.untaught] == [("above", "is labelled False always")]
+
+
+def test_whole_pictures_teach_about_objects_by_name_where_nothing_has_a_box() -> None:
+    boxed = without(lesson(9, 6, 6), "above")
+    bare = [Look(tuple(replace(p, boxes={}) for p in look.pictures), look.types) for look in boxed.looks]
+    fitted = fit(Lesson(bare, boxed.groups, boxed.examples), SETTINGS)
+    assert {kinds for _, kinds in fitted.model.words} == {("@lamp1",), ("@lamp2",)}
+    assert fitted.model.read(bare[0], [("lit", ("lamp3",))])[0].why == Why.UNTAUGHT
+
+
+def test_calibration_finds_out_how_often_the_teacher_errs() -> None:
+    rng = np.random.default_rng(0)
+    truth = rng.random(600) < 0.5
+    scores = np.where(truth, 1.0, -1.0) + rng.normal(0, 0.3, 600)
+    for rate in (0.0, 0.05):
+        labels = truth ^ (rng.random(600) < rate)
+        curve = calibrate(scores, labels, np.ones(600)).curve
+        assert abs(curve.error - rate) <= 0.02
+        assert curve.probability(1.0) > 0.99 and curve.probability(-1.0) < 0.01
