@@ -58,7 +58,7 @@ def home(name: str, index: int) -> Drawers:
     return lambda: picture(world, camera).image.pixels(), lambda: pixels_of(world, camera)
 
 
-DOMAINS = {
+DOMAINS: dict[str, Callable[[int], Drawers]] = {
     "coffee": coffee, "kitchen": kitchen, "cleanup": partial(home, "cleanup"), "juice": partial(home, "juice"),
 }  # fmt: skip
 

@@ -15,7 +15,7 @@ import json
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -65,10 +65,10 @@ class Timed:
     slowest: float = 0.0
 
     def plan(
-        self, operators: Sequence[Operator], objects: Sequence[Object], state: AbstractState, goal: Sequence[Atom]
+        self, operators: Sequence[Operator], objects: Iterable[Object], initial: AbstractState, goal: Iterable[Atom]
     ) -> PlanResult:
         begin = time.process_time()
-        found = self.planner.plan(operators, objects, state, goal)
+        found = self.planner.plan(operators, objects, initial, goal)
         self.slowest = max(self.slowest, time.process_time() - begin)
         return found
 

@@ -27,14 +27,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     "learning": {"structs", "planning"},
     "recordings": {"structs"},
     "execution": {"structs", "images", "planning", "vlm", "demos", "predicates"},
+    "robots": {"structs", "images", "planning", "vlm", "demos", "predicates", "execution"},
 }
-LOWER = set(MAY_IMPORT) - {"domains", "recordings"}
+LOWER = set(MAY_IMPORT) - {"domains", "recordings", "robots"}
 WITH_SETTINGS = LOWER | {"settings"}
 ABOVE_THE_PIPELINE = WITH_SETTINGS | {"pipeline", "approaches"}
 MAY_IMPORT |= {
     "settings": LOWER,
     "pipeline": WITH_SETTINGS,
-    "runs": WITH_SETTINGS | {"pipeline"},
+    "runs": WITH_SETTINGS | {"pipeline", "robots"},
     "report": WITH_SETTINGS | {"pipeline", "runs"},
     "review": WITH_SETTINGS | {"pipeline", "runs", "report"},
     "planners": {"structs", "planning"},
@@ -42,10 +43,12 @@ MAY_IMPORT |= {
     "approaches": WITH_SETTINGS | {"pipeline"},
     "benchmark": ABOVE_THE_PIPELINE | {"runs"},
     "registry": LOWER | {"pipeline", "approaches", "domains", "planners"},
+    "robots_by_name": {"structs", "execution", "registry", "robots"},
     "serving": WITH_SETTINGS | {"runs"},
     "api": WITH_SETTINGS | {"pipeline", "runs", "report", "registry"},
     "cli": ABOVE_THE_PIPELINE
-    | {"runs", "api", "registry", "planners", "report", "review", "serving", "benchmark", "recordings"},
+    | {"runs", "api", "registry", "planners", "report", "review", "serving", "benchmark", "recordings", "robots"}
+    | {"robots_by_name"},
 }
 MAY_IMPORT = {room: allowed | {"system"} for room, allowed in MAY_IMPORT.items()}
 MOST_FILES = 14

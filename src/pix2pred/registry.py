@@ -97,6 +97,10 @@ class Registry(Planners):
         """All providers of hosted models."""
         return (*_PROVIDERS, *(load(target)() for target in named("providers", {}).values()))
 
+    def others(self, kind: str, group: str, ours: dict[str, str], name: str) -> Any:
+        """What ``name`` means in a table of ours or of the entry points ``group``. Raises ``UnknownNameError``."""
+        return _find(kind, name, named(group, ours))
+
     def model_spec(self, text: str) -> ModelSpec:
         """The model that ``--vlm`` names. Raises ``ModelNameError`` with the forms there are."""
         others = {kind: Kind(f"{kind}:...", MadeSpec.by(load(made))) for kind, made in named("models", {}).items()}

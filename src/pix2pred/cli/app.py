@@ -45,6 +45,7 @@ _GROUPS = {
     "answers:answers": "Look into an answer store (a run folder, or the folder of --answers).",
     "imports:imports": "Bring photos, videos and robot data into a project as demonstrations.",
     "export:export": "Write projects and models in the forms of other places.",
+    "robot:robot": "A simulated Spot, what to know before one moves, and tasks on one (extra spot).",
     "runs:runs": "List the runs in a folder, and compare two.",
     "bench:bench": "Run benchmark suites, see how far they are, report and compare them.",
 }

@@ -13,6 +13,7 @@ from pix2pred.execution.explaining.scene import PlannedScene, listed
 from pix2pred.execution.pursuit import GivenUpError, Pursuit
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
+from pix2pred.structs.environment import StepStatus
 from pix2pred.structs.plans import Change, changes, changes_between, effects
 
 
@@ -92,17 +93,18 @@ class Guided:
         given |= {change.atom for change in happened if change.holds}
         return replace(state, given=frozenset(given))
 
-    def observe(self, state: State, *, told: bool) -> Look:
+    def observe(self, state: State, *, told: bool, reported: StepStatus | None = None) -> Look:
         """The next step was tried, and ``state`` is what came of it; ``told``: its given atoms are all that hold.
 
         Otherwise those are carried over, with the changes expected of the step if whatever should show, shows.
+        ``reported`` is how it ended, where somebody says so.
         """
         step = self.step
         assert step is not None, "there is a step to observe"
         action = Action(step.operator.skill, step.skill_objects)
         before, kept = self.seen, listed(self.seen)
         state = state if told else replace(state, given=kept)
-        after = self.scene.perception.advance(step, state, None)
+        after = self.scene.perception.advance(step, state, reported)
         assumed: tuple[Change, ...] = ()
         if not told and _visible(step.add) <= after and not _visible(step.delete) & after:
             given = (kept - step.delete) | listed(step.add)

@@ -30,6 +30,8 @@ class Purpose(StrEnum):
     PLAN = "plan"
     CODE = "code"
     DOCTOR = "doctor"
+    DETECT = "detect"
+    """Boxes around described objects, for a robot that has no detector of its own."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import PIL.Image
 from numpy.typing import NDArray
 
 from pix2pred.domains.home.drawing.bodies import MOUNTS
@@ -17,6 +16,7 @@ from pix2pred.domains.home.stage import Stage, scene_key, stage_for
 from pix2pred.domains.home.world import Body, World
 from pix2pred.domains.physics import OpenGLMissingError, mujoco_library
 from pix2pred.domains.physics.library import backend
+from pix2pred.images.upright import upright, upright_numbers
 from pix2pred.structs import Box, Image, Picture, Pixels
 
 LEAST_PIXELS = 60
@@ -29,7 +29,7 @@ _CHOOSING = 13
 _UPRIGHT = {m.name: round(m.roll) for m in MOUNTS}
 
 
-class _Eye:
+class Eye:
     """Draws the states of one scene. The OpenGL context is made for the first picture."""
 
     def __init__(self, stage: Stage) -> None:
@@ -68,10 +68,10 @@ class _Eye:
             self._renderer.scene.flags[flag] = 0
 
 
-_EYES: OrderedDict[tuple[Any, ...], _Eye] = OrderedDict()
+_EYES: OrderedDict[tuple[Any, ...], Eye] = OrderedDict()
 
 
-def _eye(world: World) -> _Eye:
+def _eye(world: World) -> Eye:
     key = scene_key(world)
     stage = stage_for(world)
     if key in _EYES and _EYES[key].stage is not stage:
@@ -80,7 +80,7 @@ def _eye(world: World) -> _Eye:
         if not _EYES:
             atexit.unregister(_close_all)
             atexit.register(_close_all)
-        _EYES[key] = _Eye(stage)
+        _EYES[key] = Eye(stage)
         if len(_EYES) > _KEPT:
             _EYES.popitem(last=False)[1].close()
     _EYES.move_to_end(key)
@@ -116,8 +116,8 @@ def picture(world: World, camera: str) -> Picture:
     """The picture of one camera."""
     eye = _eye(world)
     eye.stage.pose(world)
-    pixels = _upright(eye.pixels(camera), camera)
-    numbers = _upright_numbers(eye.numbers(camera), camera)
+    pixels = upright(eye.pixels(camera), _UPRIGHT.get(camera, 0))
+    numbers = upright_numbers(eye.numbers(camera), _UPRIGHT.get(camera, 0))
     return Picture(camera, Image.from_pixels(pixels), _boxes(numbers, eye.stage.objects(world)))
 
 
@@ -141,33 +141,4 @@ def pixels_of(world: World, camera: str) -> Pixels:
     """The pixels of one camera's picture alone."""
     eye = _eye(world)
     eye.stage.pose(world)
-    return _upright(eye.pixels(camera), camera)
-
-
-def _upright(pixels: Pixels, camera: str) -> Pixels:
-    """Undo a camera's mounting angle; corners that the camera did not see are cut off, not filled."""
-    angle = _UPRIGHT.get(camera, 0)
-    quarter = round(angle / 90)
-    turned = np.rot90(pixels, quarter)
-    rest = angle - 90 * quarter
-    if rest == 0:
-        return np.ascontiguousarray(turned)
-    image = PIL.Image.fromarray(np.ascontiguousarray(turned)).rotate(rest, PIL.Image.Resampling.BILINEAR)
-    return np.ascontiguousarray(np.asarray(image)[_cut(turned.shape)])
-
-
-def _upright_numbers(numbers: NDArray[np.int32], camera: str) -> NDArray[np.int32]:
-    angle = _UPRIGHT.get(camera, 0)
-    quarter = round(angle / 90)
-    turned = np.ascontiguousarray(np.rot90(numbers, quarter))
-    rest = angle - 90 * quarter
-    if rest == 0:
-        return turned
-    image = PIL.Image.fromarray(turned, mode="I").rotate(rest, PIL.Image.Resampling.NEAREST, fillcolor=-1)
-    return np.asarray(image, dtype=np.int32)[_cut(turned.shape)]
-
-
-def _cut(shape: tuple[int, ...]) -> tuple[slice, slice]:
-    """The part of a picture, turned by 12 degrees, that has no empty corners at its sides' middles."""
-    height, width = shape[:2]
-    return slice(round(0.11 * height), round(0.89 * height)), slice(round(0.11 * width), round(0.89 * width))
+    return upright(eye.pixels(camera), _UPRIGHT.get(camera, 0))

@@ -11,10 +11,13 @@ import numpy as np
 
 from pix2pred.domains import scripted
 from pix2pred.domains.home.episode import HomeEnvironment, Rules
+from pix2pred.domains.home.roaming import RoamingHome
+from pix2pred.domains.home.roaming.hand import Machine, no_machine
 from pix2pred.domains.home.world import World
 from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Action, Atom, Demo, Task, Vocabulary, parse_application
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
+from pix2pred.structs.space.surroundings import Surroundings
 
 Rng = np.random.Generator
 
@@ -46,6 +49,9 @@ StartMaker = Callable[[int, Rng], Start]
 
 class HomeDomain:
     """A domain in the home world (extra ``sim``). All families share their demonstrations."""
+
+    machine: Machine = staticmethod(no_machine)
+    """What happens when a robot presses the switch of a machine."""
 
     def __init__(
         self,
@@ -137,6 +143,10 @@ class HomeDomain:
     def concept_holds(self, environment: Environment, concept: str, names: Sequence[str]) -> bool:
         assert isinstance(environment, HomeEnvironment), "an environment of this domain"
         return self._truth(environment.world, concept, names)
+
+    def roaming(self, family: str, seed: int, index: int) -> Surroundings:
+        """The start of a test task as the surroundings of a robot that walks; tags hang on the walls."""
+        return RoamingHome(self.start(family, seed, index).world, self.machine)
 
     def actions_of(self, recipe: Recipe, world: World) -> tuple[Action, ...]:
         """The actions of a recipe over the objects of ``world``."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,16 +29,13 @@ def is_free(thing: Thing) -> bool:
 
 
 class Stage:
-    """The model of one scene. Use it in one thread only."""
+    """The model of one scene, in which a robot is made by ``robot``. Use it in one thread only."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, robot: Callable[[Maker], None] = bodies.make_robot) -> None:
         self._mujoco = mujoco_library()
         maker = Maker()
         furnish(maker, world.room, world.style, EVEN if world.of_type("juicer") else SPOTS)
-        if world.body is Body.HUMAN:
-            bodies.make_person(maker)
-        else:
-            bodies.make_robot(maker)
+        (bodies.make_person if world.body is Body.HUMAN else robot)(maker)
         for thing in world.things:
             _make(maker, thing)
         self.model = maker.compiled()

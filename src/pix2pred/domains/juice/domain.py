@@ -8,6 +8,7 @@ from typing import Any
 
 from pix2pred.domains.home.domain import HomeDomain
 from pix2pred.domains.juice.families import FAMILIES, RECIPES
+from pix2pred.domains.juice.machine import switched
 from pix2pred.domains.juice.rules import RULES
 from pix2pred.domains.juice.truth import concept_value
 
@@ -19,6 +20,8 @@ SETTINGS: Mapping[str, Any] = {
 
 class JuiceDomain(HomeDomain):
     """Juice fruit into cups."""
+
+    machine = staticmethod(switched)
 
     def __init__(self) -> None:
         super().__init__("juice", RULES, RECIPES, FAMILIES, concept_value, SETTINGS, Path(__file__).parent / "reader")

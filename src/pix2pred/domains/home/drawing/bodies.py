@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -95,23 +96,36 @@ def make_person(maker: Maker) -> None:
     maker.rod("hand/sleeve", 0.042, (-0.13, -0.015, 0.025), (-0.45, -0.07, 0.12), sleeve, body=hand)
 
 
+SHOULDER, ELBOW, LOOKING_HAND = (-0.22, 0.0, 0.80), (-0.15, 0.0, 1.30), (0.28, 0.0, 1.53)
+"""Joints of the arm, and its end, when the hand camera looks down at the scene."""
+
+
 def make_robot(maker: Maker) -> None:
     """A yellow body on four legs with an arm, made of our own simple shapes."""
-    maker.slab("body/trunk", (0.42, 0.11, 0.085), (-0.55, 0, 0.58), YELLOW)
-    maker.slab("body/back", (0.43, 0.075, 0.02), (-0.55, 0, 0.675), BLACK)
+    make_trunk(maker)
+    maker.rod("body/upperarm", 0.035, SHOULDER, ELBOW, YELLOW)
+    maker.rod("body/forearm", 0.03, ELBOW, LOOKING_HAND, GREY)
+    make_cameras(maker, MOUNTS)
+
+
+def make_trunk(maker: Maker, body: Any = None) -> None:
+    """The robot without its arm, standing in the world or fixed to ``body``."""
+    maker.slab("body/trunk", (0.42, 0.11, 0.085), (-0.55, 0, 0.58), YELLOW, body=body)
+    maker.slab("body/back", (0.43, 0.075, 0.02), (-0.55, 0, 0.675), BLACK, body=body)
     for k, x in enumerate((-0.10, -1.0)):
-        maker.slab(f"body/end{k}", (0.03, 0.10, 0.08), (x, 0, 0.58), BLACK)
+        maker.slab(f"body/end{k}", (0.03, 0.10, 0.08), (x, 0, 0.58), BLACK, body=body)
     for k, (x, y) in enumerate(((-0.25, 0.17), (-0.25, -0.17), (-0.85, 0.17), (-0.85, -0.17))):
-        maker.drum(f"body/hip{k}", 0.06, 0.05, (x, y * 0.85, 0.55), BLACK, quat=[0.7071, 0.7071, 0, 0])
-        maker.rod(f"body/thigh{k}", 0.04, (x, y, 0.54), (x - 0.14, y, 0.30), YELLOW)
-        maker.rod(f"body/shin{k}", 0.022, (x - 0.14, y, 0.30), (x - 0.02, y, 0.03), BLACK)
-    maker.rod("body/shoulder", 0.05, (-0.22, 0, 0.70), (-0.22, 0, 0.80), GREY)
-    maker.rod("body/upperarm", 0.035, (-0.22, 0, 0.80), (-0.15, 0, 1.30), YELLOW)
-    maker.rod("body/forearm", 0.03, (-0.15, 0, 1.30), (0.28, 0, 1.53), GREY)
-    for mount in MOUNTS:
-        maker.camera(
-            maker.world, mount.name, mount.at, quaternion(camera_axes(mount.yaw, mount.pitch, mount.roll)), mount.fovy
-        )
+        maker.drum(f"body/hip{k}", 0.06, 0.05, (x, y * 0.85, 0.55), BLACK, body=body, quat=[0.7071, 0.7071, 0, 0])
+        maker.rod(f"body/thigh{k}", 0.04, (x, y, 0.54), (x - 0.14, y, 0.30), YELLOW, body=body)
+        maker.rod(f"body/shin{k}", 0.022, (x - 0.14, y, 0.30), (x - 0.02, y, 0.03), BLACK, body=body)
+    maker.rod("body/shoulder", 0.05, (SHOULDER[0], 0, 0.70), SHOULDER, GREY, body=body)
+
+
+def make_cameras(maker: Maker, mounts: Sequence[Mount], body: Any = None) -> None:
+    """The robot's cameras, standing in the world or fixed to ``body``."""
+    for mount in mounts:
+        turn = quaternion(camera_axes(mount.yaw, mount.pitch, mount.roll))
+        maker.camera(body or maker.world, mount.name, mount.at, turn, mount.fovy)
 
 
 def hand_frame(eye: Sequence[float], yaw: float, pitch: float, out: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:

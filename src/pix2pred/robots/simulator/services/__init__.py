@@ -1,0 +1,1 @@
+"""The services of a simulated robot, on the servicers that the vendor's interface generates."""

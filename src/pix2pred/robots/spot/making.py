@@ -1,0 +1,38 @@
+"""Putting a Spot together: connection, credentials, outlines, programs; and a simulated one to connect to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pix2pred.robots.addresses import SpotAt
+from pix2pred.robots.robot import RobotMemory
+from pix2pred.robots.spot.check import Finding, check
+from pix2pred.robots.spot.credentials import credentials
+from pix2pred.robots.spot.finding import Outliner
+from pix2pred.robots.spot.robot import Hand, Spot
+from pix2pred.robots.spot.session import Address, Session
+from pix2pred.robots.spot.settings import SpotSettings
+from pix2pred.robots.spot.skills.repertoire import Repertoire
+from pix2pred.structs import Task, Vocabulary
+
+
+def connected(at: SpotAt, certificate: Path | None, settings: SpotSettings = SpotSettings()) -> Session:  # noqa: B008
+    """A session that is not open yet; name and password come from the environment or are asked for."""
+    where = Address(at.host, at.port, str(certificate) if certificate else None)
+    return Session(where, credentials(), settings)
+
+
+def spot(
+    session: Session, outliner: Outliner, programs: Repertoire, task: Task, words: Vocabulary, memory: RobotMemory
+) -> Spot:
+    """A Spot with the programs for a task."""
+    return Spot(f"the Spot at {session.where}", session, outliner, task.objects, Hand(programs, words), memory)
+
+
+def checked(session: Session) -> list[Finding]:
+    """What there is to know before it moves; the session is opened and closed."""
+    try:
+        session.open()
+        return check(session)
+    finally:
+        session.close()

@@ -1,0 +1,84 @@
+"""What skills share: taking a thing, standing where the hand reaches, holding a thing over a place and letting go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pix2pred.robots.spot.finding import Found
+from pix2pred.robots.spot.limbs import FailedError
+from pix2pred.robots.spot.robot import Spot
+from pix2pred.robots.standing import around
+from pix2pred.structs.space.poses import Array, Pose
+
+STAND_OFF = (0.45, 0.60, 0.35, 0.75, 0.25)
+"""Metres between the nose and what is worked at, as tried."""
+
+PLACES = 8
+"""Places tried before a thing counts as out of reach."""
+
+OVER = 0.22
+"""Metres over a place from which things are lowered."""
+
+
+def take(spot: Spot, name: str) -> None:
+    """Take a thing that is seen from home. Raises ``FailedError``."""
+    if spot.holding is not None:
+        raise FailedError(f"the hand already holds {spot.holding}")
+    seen = spot.find(name)[name][0]
+    spot.limbs.grasp(seen.shot, *seen.inner_pixel())
+    spot.took(name)
+
+
+def stand_at(
+    spot: Spot, middle: Sequence[float] | Array, points: Sequence[Array], distances: Sequence[float] = STAND_OFF
+) -> None:
+    """Walk to where the hand reaches all ``points`` around ``middle``; stays where it does already.
+
+    Raises ``FailedError`` when no such place can be walked to.
+    """
+    here = spot.whereabouts.place(spot.limbs.odometry())
+    if spot.reaches(here, points):
+        return
+    tried, why = 0, "no place from which the hand reaches it"
+    for place in around(middle, here, distances):
+        if not spot.reaches(place, points):
+            continue
+        try:
+            spot.limbs.carry()
+            spot.whereabouts.go(place)
+            return
+        except FailedError as error:
+            why, tried = str(error), tried + 1
+        if tried >= PLACES:
+            break
+    raise FailedError(f"cannot stand by it: {why}")
+
+
+def down(at: Sequence[float] | Array, facing: float) -> Pose:
+    """A hand that points at the floor."""
+    return Pose.looking([float(v) for v in at], facing, math.pi / 2)
+
+
+def facing(spot: Spot) -> float:
+    """Where the robot's nose points in the map."""
+    return spot.whereabouts.place(spot.limbs.odometry()).yaw
+
+
+def let_go_at(spot: Spot, at: Array) -> None:
+    """Lower what is held to ``at``, let go, and move the hand up. The robot stands where it reaches it."""
+    above = at + np.array([0.0, 0.0, OVER])
+    yaw = facing(spot)
+    spot.hand([down(above, yaw), down(at, yaw)])
+    spot.limbs.open_fingers()
+    spot.released()
+    spot.hand([down(above, yaw)])
+    spot.limbs.close_fingers()
+
+
+def merged(seen: Sequence[Found]) -> Found:
+    """The points of all cameras that see an object."""
+    first = seen[0]
+    return Found(first.name, first.shot, np.concatenate([f.points for f in seen]), first.pixels)

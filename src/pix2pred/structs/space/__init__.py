@@ -1,0 +1,1 @@
+"""Places and frames, and what a robot stands in."""
