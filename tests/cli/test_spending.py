@@ -133,7 +133,7 @@ def test_a_run_that_was_stopped_goes_on_where_it_stopped(cli: Cli, lamps: Path, 
         server.questions = 0
         gone_on = cli(*told, "--out", tmp_path / "run", "--json")
         assert gone_on.code == 0, gone_on.err
-        assert server.questions == left["queries"] - left["from_store"] < left["queries"]
+        assert server.questions == left["queries"] - left["from_store"]
         with FaultServer().running() as calm:
             whole = ("learn", lamps, "--vlm", f"openai-compatible:tiny@{calm.url}", "--out", tmp_path / "calm")
             assert cli(*whole).code == 0

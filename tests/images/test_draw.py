@@ -214,7 +214,10 @@ def test_shown_pictures_are_drawn_views_and_costly_work_is_done_once(monkeypatch
 
 def test_what_is_not_in_a_picture_is_named_below_it() -> None:
     noted = replace(MARKED, unseen=("jug", "lid"))
-    assert noted.note == "not visible: jug, lid" and replace(noted, crop=Box(0, 0, 100, 100)).note == ""
+    assert (
+        noted.note == "without a mark, hidden or out of view: jug, lid"
+        and replace(noted, crop=Box(0, 0, 100, 100)).note == ""
+    )
     drawn = draw_view(noted)
     assert drawn.shape[1::-1] == noted.shown_size and len(drawn) == len(draw_view(MARKED)) + NOTE_HEIGHT
     assert np.array_equal(drawn[:-NOTE_HEIGHT], draw_view(MARKED)) and drawn[-NOTE_HEIGHT:].min() < 80

@@ -24,6 +24,10 @@ _GOOD = 120
 """What a name may hide and cross, in pixels, so that no better place is looked for farther away."""
 _GRID = (0.15, 0.3, 0.5, 0.7, 0.85)
 """Where on an object a line may end, as shares of its box."""
+_RIM = (0.0, 1.0)
+"""The same for an object that the end of a line would hide."""
+_TINY = 24
+"""Pixels: what is smaller is pointed at from its rim."""
 _LOWER_MIDDLE = (0.5, 0.65)
 """Where on an object a line ends best, as shares of its box: what lies on others covers their upper part."""
 _LARGE = 8
@@ -112,7 +116,8 @@ def _visible_point(box: Box, others: Sequence[Box]) -> Point:
     """The point of a grid on the box that the fewest other boxes cover, as near to its lower middle as can be."""
     ideal = (box.left + _LOWER_MIDDLE[0] * box.width, box.top + _LOWER_MIDDLE[1] * box.height)
     on_it = [o for o in others if _overlap(o, box)]
-    points = [(box.left + x * box.width, box.top + y * box.height) for y in _GRID for x in _GRID]
+    grid = _GRID if min(box.width, box.height) >= _TINY else _RIM
+    points = [(box.left + x * box.width, box.top + y * box.height) for y in grid for x in grid]
     return min(points, key=lambda p: (sum(_holds(o, p) for o in on_it), math.dist(p, ideal)))
 
 

@@ -29,6 +29,18 @@ def object_lines(objects: Iterable[Object]) -> str:
     return "\n".join(f"- {o.prompt_name} ({o.type.name})" for o in sorted(objects, key=lambda o: o.prompt_name))
 
 
+def kind_lines(objects: Iterable[Object]) -> str:
+    """Which types are kinds of a more general one, for types that words may use; empty where there are none."""
+    kinds: dict[str, set[str]] = {}
+    for one in {o.type for o in objects}:
+        general = one.parent
+        while general is not None:
+            kinds.setdefault(general.name, set()).add(one.name)
+            general = general.parent
+    lines = [f"- {general}: {', '.join(sorted(names))}" for general, names in sorted(kinds.items())]
+    return "\n".join(["", "More general types, and what belongs to each:", *lines, ""]) if lines else ""
+
+
 def action_text(action: Action) -> str:
     """``Skill[obj:type, obj:type]``."""
     return f"{action.skill.name}[{', '.join(f'{o.prompt_name}:{o.type.name}' for o in action.objects)}]"

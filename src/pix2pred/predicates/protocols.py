@@ -39,7 +39,7 @@ def proposed_pool(
     """
     taken = [p.name for p in initial]
     if labels.protocol is LabelProtocol.FRUGAL and proposal.variant == "diverse":
-        words = propose_words(demos, vlm, proposal, progress=progress)
+        words = propose_words(demos, vlm, proposal, initial, progress=progress)
         return lift_words(words, taken), words
     proposals = propose(demos, vlm, proposal, together=together, max_pictures=max_pictures, progress=progress)
     return lift(proposals, taken), proposals

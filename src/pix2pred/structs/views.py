@@ -43,7 +43,9 @@ class View:
     @property
     def note(self) -> str:
         """What is written below the picture."""
-        return f"not visible: {', '.join(self.unseen)}" if self.unseen and not self.crop else ""
+        return (
+            f"without a mark, hidden or out of view: {', '.join(self.unseen)}" if self.unseen and not self.crop else ""
+        )
 
     @property
     def boxes(self) -> Mapping[str, Box]:

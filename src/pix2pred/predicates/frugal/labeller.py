@@ -15,17 +15,17 @@ from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
 from pix2pred.predicates.labelling.state_labels import StateLabels, StepToLabel
 from pix2pred.predicates.labelling.telling import Telling
-from pix2pred.predicates.prompt import action_text, atom_text, fill, object_lines, views
+from pix2pred.predicates.prompt import action_text, atom_text, fill, kind_lines, object_lines, views
 from pix2pred.structs import Action, Atom, Demo, FromVLM, Label, Object, State
 from pix2pred.structs.views import View
 from pix2pred.vlm import VLM, Purpose, Together
 from pix2pred.vlm.request import Part
 
-CROP_SHARE = 0.5
-"""A crop around a skill that shows more of its picture than this is left out: it shows hardly anything anew."""
-
 CROP_SCALE = 2
-"""A crop's longer side is this many times shorter than a picture's: it is enlarged all the same, at half the price."""
+"""A crop's longer side is this many times shorter than a picture's, and so cheaper."""
+
+LEAST_ZOOM = 1.5
+"""A crop around a skill that shows things less enlarged than this is left out: the whole picture shows them as well."""
 
 NEGATED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Label.UNKNOWN}
 
@@ -156,6 +156,7 @@ class FrugalLabeller:
             skills=skill_lines(a.skill for a in stretch.actions) or NOTHING,
             hints="".join(f"{hint}\n" for hint in self.settings.hints),
             objects=object_lines(objects),
+            kinds=kind_lines(objects),
             actions=f"({number})\n" + "\n".join(actions) if actions else NOTHING,
             crops=f"{crops} of the pictures show only the part of the scene a skill was about.\n" if crops else "",
             previous=f"Values in state {stretch.start}, as answered earlier:\n<previous>\n{before}\n</previous>\n"
@@ -178,7 +179,7 @@ class FrugalLabeller:
         for camera, view in enumerate(whole):
             width, height = view.picture.image.size
             box = skill_crop(before, after, names, camera, (width, height))
-            if box and box.width * box.height <= CROP_SHARE * width * height:
+            if box and max(width, height) >= LEAST_ZOOM * CROP_SCALE * max(box.width, box.height):
                 heading = f"{view.heading}, around the skill"
                 yield replace(view, crop=box, heading=heading, longest_side=smaller)
 

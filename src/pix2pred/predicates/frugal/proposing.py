@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import chain
 
 from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, read_definition, skill_lines
-from pix2pred.predicates.prompt import action_text, fill, object_lines, views
+from pix2pred.predicates.prompt import action_text, fill, kind_lines, object_lines, views
 from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.predicates.proposing.propose import (
     ANSWER_TOKENS,
@@ -21,7 +21,7 @@ from pix2pred.predicates.proposing.propose import (
     refuse_empty,
     review,
 )
-from pix2pred.structs import Candidate, Demo, FromVLM, Predicate, Type
+from pix2pred.structs import Candidate, Demo, FromVLM, Predicate, Skill, Type
 from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm import VLM, Purpose, Request
 
@@ -30,13 +30,20 @@ NOTHING = "(nothing)"
 
 
 def propose_words(
-    demos: Sequence[Demo], vlm: VLM, settings: ProposalSettings, *, progress: Progress = silent
+    demos: Sequence[Demo],
+    vlm: VLM,
+    settings: ProposalSettings,
+    given: Sequence[Predicate] = (),
+    *,
+    progress: Progress = silent,
 ) -> tuple[Proposal, ...]:
     """One proposal for every kind of demonstration, in order. Raises ``EmptyProposalError`` if all are empty.
 
     A demonstration is asked about when it has a skill with types of arguments, or a type of object, that none before
-    it had. Every question tells the words of the answers before, so that one meaning has one word.
+    it had. Every question tells the words of the answers before, so that one meaning has one word; the predicates
+    ``given`` beforehand; and the skills of all demonstrations, since any of them may change what a word means.
     """
+    skills = [a.skill for demo in demos for a in demo.actions]
     chosen = tuple(new_kinds(demos))
     proposals: list[Proposal] = []
     for demo in chosen:
@@ -45,7 +52,9 @@ def propose_words(
             answered_proposal(
                 demo.name,
                 vlm,
-                lambda attempt, budget, demo=demo, known=known: words_request(demo, known, settings, attempt, budget),  # type: ignore[misc]
+                lambda attempt, budget, demo=demo, known=known: words_request(  # type: ignore[misc]
+                    demo, known, settings, given, skills, attempt, budget
+                ),
                 lambda answer, demo=demo: read_words(demo, answer, settings),  # type: ignore[misc]
                 settings.attempts,
             )
@@ -66,17 +75,24 @@ def new_kinds(demos: Sequence[Demo]) -> Iterator[Demo]:
 
 
 def words_request(
-    demo: Demo, known: Sequence[Predicate], settings: ProposalSettings, attempt: int = 0, budget: int = ANSWER_TOKENS
+    demo: Demo,
+    known: Sequence[Predicate],
+    settings: ProposalSettings,
+    given: Iterable[Predicate] = (),
+    skills: Iterable[Skill] = (),
+    attempt: int = 0,
+    budget: int = ANSWER_TOKENS,
 ) -> Request:
     """The question about one demonstration. What is the same in every question stands first: prompt caches hit."""
-    given = {a.predicate for state in demo.states for a in state.given} | {a.predicate for a in demo.goal}
+    told = {*given, *(a.predicate for state in demo.states for a in state.given), *(a.predicate for a in demo.goal)}
     text = fill(
         "frugal_propose",
         limit=limit_text(settings),
-        skills=skill_lines(a.skill for a in demo.actions),
-        given=meaning_lines(given) or NOTHING,
+        skills=skill_lines([*skills, *(a.skill for a in demo.actions)]),
+        given=meaning_lines(told) or NOTHING,
         defined=meaning_lines(known) or NOTHING,
         objects=object_lines(demo.objects),
+        kinds=kind_lines(demo.objects),
         actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
     )
     size, marks = settings.longest_side, settings.marks
