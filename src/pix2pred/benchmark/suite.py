@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from enum import StrEnum
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -66,21 +67,30 @@ class FamilyEntry(BaseModel):
         return self
 
 
-class Axis(BaseModel):
-    """What a sweep varies.
+class Varied(StrEnum):
+    """What a sweep can vary."""
 
-    ``demonstrations``: how many of them are learned from; ``items``: movable things in the test scenes; ``pool``: how
-    many visual candidates are left, drawn at random; ``label-noise``: the share of labels turned round.
-    """
+    DEMONSTRATIONS = "demonstrations"
+    """How many of them are learned from."""
+    ITEMS = "items"
+    """Movable things in the test scenes."""
+    POOL = "pool"
+    """How many visual candidates are left, drawn at random."""
+    LABEL_NOISE = "label-noise"
+    """The share of labels turned round."""
+
+
+class Axis(BaseModel):
+    """What a sweep varies, and the values it takes."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    of: Literal["demonstrations", "items", "pool", "label-noise"]
+    of: Varied
     values: tuple[float, ...] = Field(min_length=1)
 
     @model_validator(mode="after")
     def _check_values(self) -> Axis:
-        counts = self.of != "label-noise"
+        counts = self.of is not Varied.LABEL_NOISE
         if any((v < 1 or v != int(v)) if counts else not 0 <= v < 1 for v in self.values):
             raise ValueError(f"values of {self.of} are {'whole numbers from 1' if counts else 'shares below 1'}")
         return self

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pix2pred.approaches.approach import Approach, Composition
-from pix2pred.benchmark.suite import Axis
+from pix2pred.benchmark.suite import Axis, Varied
 from pix2pred.structs import Demo
 from pix2pred.structs.environment import Domain, SimulatedTask, Sized
 from pix2pred.system.errors import Pix2predError
@@ -29,18 +29,18 @@ class Setting:
 
 def vary(setting: Setting, axis: Axis | None, value: float | None, seed: int) -> Setting:
     """``setting`` at ``value`` of ``axis``. Raises ``NotAvailableError``."""
-    if axis is None or value is None or axis.of == "items":
+    if axis is None or value is None or axis.of is Varied.ITEMS:
         return setting
     match axis.of:
-        case "demonstrations":
+        case Varied.DEMONSTRATIONS:
             if value > len(setting.demos):
                 raise NotAvailableError(f"the family has {len(setting.demos)} demonstrations")
             return replace(setting, demos=setting.demos[: int(value)])
-        case "pool":
+        case Varied.POOL:
             if not isinstance(setting.approach, Composition):
                 raise NotAvailableError(f"{setting.approach.name} has no pool of candidates")
             return replace(setting, approach=setting.approach.limited(int(value), seed))
-        case "label-noise":
+        case Varied.LABEL_NOISE:
             return replace(setting, vlm=FlippingVLM(setting.vlm, value, seed)) if value else setting
 
 
@@ -48,7 +48,7 @@ def tasks_for(
     domain: Domain, family: str, seed: int, count: int, axis: Axis | None, value: float | None
 ) -> Sequence[SimulatedTask]:
     """The test tasks of a cell. Raises ``NotAvailableError``."""
-    if axis is None or value is None or axis.of != "items":
+    if axis is None or value is None or axis.of is not Varied.ITEMS:
         return domain.tasks(family, seed, count)
     if not isinstance(domain, Sized):
         raise NotAvailableError(f"{domain.name} makes no tasks of a chosen size")

@@ -7,6 +7,7 @@ whatever they are renamed to. The last row about a thing counts.
 from __future__ import annotations
 
 import json
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -20,7 +21,14 @@ CORRECTIONS = "corrections.jsonl"
 """Where a run keeps them."""
 
 LabelWord = Literal["true", "false", "unknown"]
-Standing = Literal["free", "banned", "pinned"]
+
+
+class Standing(StrEnum):
+    """Whether selection may take a predicate, must not, or must."""
+
+    FREE = "free"
+    BANNED = "banned"
+    PINNED = "pinned"
 
 
 class CorrectionsError(Pix2predError, ValueError):

@@ -71,7 +71,7 @@ class Corrections:
             name: replace(p, name=self.names.get(name, name), description=self.meanings.get(name, p.description))
             for name, p in predicates.items()
         }
-        gone = {*kept, *(name for name, standing in self.standing.items() if standing == "banned")}
+        gone = {*kept, *(name for name, standing in self.standing.items() if standing is Standing.BANNED)}
         final = {name: p for name, p in final.items() if name not in gone}
         names = [p.name for p in final.values()]
         if repeated := sorted({n for n in names if names.count(n) > 1}):
@@ -85,7 +85,7 @@ class Corrections:
             tuple(replace(c, predicate=final[c.predicate.name]) for c in table.pool if c.predicate.name in final),
             demos,
         )
-        pinned = [final[name] for name, s in sorted(self.standing.items()) if s == "pinned" and name in final]
+        pinned = [final[name] for name, s in sorted(self.standing.items()) if s is Standing.PINNED and name in final]
         return Corrected(corrected, tuple(p for p in pinned if p in corrected.ever_true))
 
     def _representative(self, name: str) -> str:

@@ -38,7 +38,7 @@ def proposed_pool(
     Raises ``EmptyProposalError`` when nothing usable is proposed.
     """
     taken = [p.name for p in initial]
-    if labels.protocol is LabelProtocol.FRUGAL and proposal.variant == "diverse":
+    if labels.protocol is LabelProtocol.FRUGAL and proposal.diverse:
         words = propose_words(demos, vlm, proposal, initial, progress=progress)
         return lift_words(words, taken), words
     proposals = propose(demos, vlm, proposal, together=together, max_pictures=max_pictures, progress=progress)

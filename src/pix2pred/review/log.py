@@ -13,7 +13,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from pix2pred.predicates import CORRECTIONS, Corrections, CorrectionsError
-from pix2pred.predicates.correction_rows import LabelRow, MeaningRow, MergeRow, RenameRow, Row, StandingRow, row_line
+from pix2pred.predicates.correction_rows import (
+    LabelRow,
+    MeaningRow,
+    MergeRow,
+    RenameRow,
+    Row,
+    Standing,
+    StandingRow,
+    row_line,
+)
 from pix2pred.predicates.correction_rows import read_rows as read
 from pix2pred.structs import Label, TruthTable
 from pix2pred.system.errors import Pix2predError
@@ -82,7 +91,7 @@ class CorrectionLog:
             case MergeRow():
                 return corrections.merged.get(row.predicate)
             case StandingRow():
-                return corrections.standing.get(row.predicate, "free")
+                return corrections.standing.get(row.predicate, Standing.FREE)
             case MeaningRow():
                 return corrections.meanings.get(row.predicate, self._meanings.get(row.predicate, ""))
 

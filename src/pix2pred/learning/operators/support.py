@@ -6,12 +6,13 @@ effects occur, and contradicts it when its preconditions hold and something else
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import islice, product
+from itertools import islice
 
-from pix2pred.structs import AbstractState, Action, Atom, GroundOperator, LabelledDemo, Object, Operator
+from pix2pred.structs import AbstractState, Action, GroundOperator, LabelledDemo, Operator
+from pix2pred.structs.plans import changes, signed
 
 MOST_BINDINGS = 5000
 """Bindings of an operator's other parameters looked at in one transition: an operator of many unbound parameters may
@@ -64,9 +65,12 @@ def operator_support(operators: Sequence[Operator], demos: Iterable[LabelledDemo
 def _support(
     operator: Operator, demo: LabelledDemo, step: int, action: Action, before: AbstractState, after: AbstractState
 ) -> Support | None:
+    if operator.skill != action.skill:
+        return None
     gained, lost = after - before, before - after
+    fixed = dict(zip(operator.skill_args, action.objects, strict=True))
     best: tuple[tuple[int, int], GroundOperator] | None = None
-    for ground in islice(_groundings(operator, action, demo.objects), MOST_BINDINGS):
+    for ground in islice(operator.groundings(fixed, demo.objects), MOST_BINDINGS):
         differing = len(ground.add ^ gained) + len(ground.delete ^ lost)
         unmet = len(ground.preconditions - before)
         if (differing == 0 or unmet == 0) and (best is None or (differing, unmet) < best[0]):
@@ -82,23 +86,6 @@ def _support(
         tuple(o.name for o in ground.objects),
         verdict,
         tuple(str(a) for a in sorted(ground.preconditions - before)),
-        _signed(ground.add - gained, ground.delete - lost),
-        _signed(gained - ground.add, lost - ground.delete),
+        signed(changes(ground.add - gained, ground.delete - lost)),
+        signed(changes(gained - ground.add, lost - ground.delete)),
     )
-
-
-def _groundings(operator: Operator, action: Action, objects: Sequence[Object]) -> Iterator[GroundOperator]:
-    if operator.skill != action.skill:
-        return
-    bound = dict(zip(operator.skill_args, action.objects, strict=True))
-    if not all(o.type.is_a(v.type) for v, o in bound.items()) or len(set(bound.values())) < len(bound):
-        return
-    rest = [o for o in sorted(objects) if o not in bound.values()]
-    domains = [[bound[v]] if v in bound else [o for o in rest if o.type.is_a(v.type)] for v in operator.parameters]
-    for choice in product(*domains):
-        if len(set(choice)) == len(choice):
-            yield operator.ground(choice)
-
-
-def _signed(plus: Iterable[Atom], minus: Iterable[Atom]) -> tuple[str, ...]:
-    return (*(f"+{a}" for a in sorted(plus)), *(f"-{a}" for a in sorted(minus)))

@@ -124,7 +124,7 @@ class FrugalLabeller:
         asked = Asked[History]()
         for one in self.together.map(asker.ask, in_batches(atoms, self.settings.max_atoms_per_query)):
             asked.merge(one)
-        carried = known if self.settings.missing == "carry_previous" else {}
+        carried = self.settings.carried(known)
         without = {a: (carried.get(a, Label.FALSE),) * len(stretch.states) for a in atoms}
         histories = without | asked.values
         counts = asked.counts + Counter({Occurrence.MISSING: len(atoms) - len(asked.values)})

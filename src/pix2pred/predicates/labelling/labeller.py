@@ -46,7 +46,7 @@ class Labeller:
 
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         """Labels of a state without history (method 3.3); ``atoms`` in any order."""
-        template = "label_first" if self.settings.style == "cot" else "label_first_terse"
+        template = "label_first" if self.settings.explains else "label_first_terse"
         pictures = self._views(state, 0, objects)
 
         def question(batch: Sequence[Atom]) -> tuple[Part, ...]:
@@ -68,7 +68,7 @@ class Labeller:
         pictures = self._before_and_after(step, objects)
         crops = sum(view.crop is not None for view in pictures)
         previous = step.previous
-        carried = previous.values if self.settings.missing == "carry_previous" else {}
+        carried = self.settings.carried(previous.values)
 
         def text(batch: Sequence[Atom]) -> str:
             return fill(
@@ -106,7 +106,7 @@ class Labeller:
             check = fill("double_check", question=text(part), answer=labels.text, values=before, atoms=_listed(part))
             return (check, *pictures)
 
-        carried = labels.values if self.settings.missing == "carry_previous" else {}
+        carried = self.settings.carried(labels.values)
         checked = _labels(self._asker(Purpose.DOUBLE_CHECK, question, about), batch, carried)
         confidence = {a: labels.confidence[a] for a in labels.confidence if a not in checked.confidence}
         confidence = {a: p for a, p in confidence.items() if checked.values[a] == labels.values[a]}

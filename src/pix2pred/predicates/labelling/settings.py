@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import StrEnum
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pix2pred.structs import Atom, Label
 from pix2pred.structs.views import LONGEST_SIDE
 
 
@@ -51,3 +53,12 @@ class LabelSettings(BaseModel):
     def sampling_temperature(self) -> float:
         """The temperature of labelling queries: samples that are to differ need one."""
         return self.temperature if self.votes == 1 else max(self.temperature, self.vote_temperature)
+
+    @property
+    def explains(self) -> bool:
+        """Whether the first state's question asks for explanations."""
+        return self.style == "cot"
+
+    def carried(self, values: Mapping[Atom, Label]) -> Mapping[Atom, Label]:
+        """What stands for atoms that no answer gives a value, when they had ``values`` before; the rest are false."""
+        return values if self.missing == "carry_previous" else {}

@@ -38,6 +38,11 @@ class ProposalSettings(BaseModel):
     longest_side: int = Field(LONGEST_SIDE, ge=64, le=4096, description="pixels, of a shown picture (paper: 512)")
     attempts: int = Field(3, ge=1, description="queries per demonstration before giving up on an unusable answer")
 
+    @property
+    def diverse(self) -> bool:
+        """Whether many different predicates are asked for, and not only the few that seem to matter."""
+        return self.variant == "diverse"
+
 
 @dataclass(frozen=True, slots=True)
 class ProposedAtom:
@@ -192,7 +197,7 @@ def proposal_request(
     """The query about one demonstration, or the states ``part`` of it: instruction, objects, actions, pictures."""
     times = range(len(demo.states)) if part is None else part
     text = fill(
-        "propose" if settings.variant == "diverse" else "propose_specific",
+        "propose" if settings.diverse else "propose_specific",
         objects=object_lines(demo.objects),
         actions="\n".join(f"{t}. {action_text(demo.actions[t])}" for t in times[:-1]),
         limit=limit_text(settings),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from dataclasses import dataclass
 
+from pix2pred.predicates.correction_rows import Standing
 from pix2pred.report.contents import Contents
 from pix2pred.report.sections.curve import j_text
 from pix2pred.report.sections.wording import meaning
@@ -58,7 +59,7 @@ def pool_entries(contents: Contents) -> list[PoolEntry]:
         shown = corrections.names.get(p.name, p.name)
         if p.name in corrections.merged:
             status, why = "merged", f"a person merged it with {corrections.merged[p.name]}"
-        elif corrections.standing.get(p.name) == "banned":
+        elif corrections.standing.get(p.name) is Standing.BANNED:
             status, why = "banned", "a person banned it"
         elif shown in fates:
             status, why = fates[shown]
