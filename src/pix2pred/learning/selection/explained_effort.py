@@ -50,6 +50,12 @@ class ExplainedEffortSettings(BaseModel):
         10.0, ge=0, description="how much more J counts per share of labels not accounted for: twice as much when one "
         "label in ten is not. Chosen on the same workloads",
     )  # fmt: skip
+    doubtful: float = Field(
+        0.02, ge=0, lt=1,
+        description="share of its labels not accounted for, from which a chosen predicate is exchanged for another one "
+        "that serves as well, J weighed by doubt: the first choice is made while others that are needed are missing, "
+        "and in two demonstrations where the robot stands can tell as much as whether its hand is empty",
+    )  # fmt: skip
     finer_tolerance: float = Field(
         0.01, ge=0,
         description="share by which a predicate's J, and by which its doubt, may exceed those of a coarser one that it "
@@ -103,6 +109,17 @@ class ExplainedEffort:
 
     def hopeful(self, reached: Score, trials: int) -> bool:
         return reached.charges >= self.settings.charges and trials <= self.settings.trials
+
+    def doubtful(self, model: OperatorModel, chosen: Sequence[int]) -> Sequence[int]:
+        return [p for p in chosen if model.doubt(p) > self.settings.doubtful]
+
+    def replaces(self, model: OperatorModel, other: ScoredSet, reached: ScoredSet, doubtful: int) -> bool:
+        doubts = model.doubt(other.predicate), model.doubt(doubtful)
+        return (
+            doubts[0] < doubts[1]
+            and other.score.charges <= reached.score.charges + self.settings.charges
+            and self._weighed(other.score.total, doubts[0]) < self._weighed(reached.score.total, doubts[1])
+        )
 
     @property
     def looks_back(self) -> bool:

@@ -12,7 +12,7 @@ from pix2pred.learning.operators.learner import OperatorLearner, OperatorModel
 from pix2pred.learning.operators.transition_class import to_operator
 from pix2pred.learning.selection.candidates import distinct_candidates
 from pix2pred.learning.selection.result import ClimbEnd, ClimbStep, RunnerUp, Selection
-from pix2pred.learning.selection.stopping_rule import ScoredSet, StoppingRule
+from pix2pred.learning.selection.stopping_rule import Reconsidering, ScoredSet, StoppingRule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Operator, Predicate, TruthTable
 from pix2pred.system.progress import Progress, Stage, silent
@@ -96,7 +96,29 @@ class Climb:
             current = best
         if end is ClimbEnd.GOOD_ENOUGH and len(steps) == 1:
             end = ClimbEnd.GOOD_ENOUGH_AT_ONCE if self._representatives else ClimbEnd.NO_CANDIDATES
-        return self._finish(reached.chosen, self._without_superseded(reached), steps, end)
+        ever = list(reached.chosen)
+        if isinstance(self._rule, Reconsidering):
+            for p in self._rule.doubtful(self._model, reached.chosen[len(self._pinned) :]):
+                other = self._exchanged(self._rule, reached, p, progress)
+                if other is not None:
+                    reached, step = other
+                    steps.append(step)
+                    ever.append(reached.predicate)
+        return self._finish(ever, self._without_superseded(reached), steps, end)
+
+    def _exchanged(
+        self, rule: Reconsidering, reached: ScoredSet, doubtful: int, progress: Progress
+    ) -> tuple[ScoredSet, ClimbStep] | None:
+        """The reached set with another predicate in the place of a doubtful one, if the rule prefers it."""
+        fewer = tuple(p for p in reached.chosen if p != doubtful)
+        classes = self._model.partition((*range(self._data.initial), *fewer))
+        current = ScoredSet(-1, fewer, classes, self._objective.score(fewer, classes))
+        scored = self._expand(current, progress)
+        rivals = [s for s in scored if s.score.exact and rule.replaces(self._model, s, reached, doubtful)]
+        if not rivals:
+            return None
+        best = self._rule.choose(self._model, rivals)
+        return best, self._step(best, scored)
 
     def _step(self, best: ScoredSet, scored: Sequence[ScoredSet]) -> ClimbStep:
         others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:SHOWN_RUNNERS_UP]

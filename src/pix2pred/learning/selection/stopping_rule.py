@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from pix2pred.learning.objective.objective import Score
 from pix2pred.learning.operators.learner import OperatorModel
@@ -61,6 +61,19 @@ class StoppingRule(Protocol):
 
     def as_good(self, fewer: Score, reached: Score) -> bool:
         """Whether a set with one predicate fewer serves as well."""
+        ...
+
+
+@runtime_checkable
+class Reconsidering(Protocol):
+    """What a rule may add: chosen predicates in whose place others are tried at the end."""
+
+    def doubtful(self, model: OperatorModel, chosen: Sequence[int]) -> Sequence[int]:
+        """Those of the chosen predicates in whose place another one is tried at the end."""
+        ...
+
+    def replaces(self, model: OperatorModel, other: ScoredSet, reached: ScoredSet, doubtful: int) -> bool:
+        """Whether ``other``, with its last predicate in the place of ``doubtful``, is to be preferred."""
         ...
 
 
