@@ -27,7 +27,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
         return replace(family, demonstrations=family.demonstrations[:4])
 
     monkeypatch.setattr(BurgerDomain, "_family", cut)
-    monkeypatch.setattr(MailboxVLM.__init__, "__defaults__", (0.02,))
+    monkeypatch.setattr(MailboxVLM.__init__, "__kwdefaults__", {"poll": 0.02, "estimate": None})
 
 
 def test_the_tutorial_says_what_happens(

@@ -436,7 +436,7 @@ def test_a_mailbox_is_answered_in_any_order_and_returns_what_it_cannot_read(
     ran = cli("learn", lamps, "--vlm", f"mailbox:{box}", "--out", tmp_path / "run")
     done.set()
     assert ran.code == 0, ran.err
-    assert sorted(p.name for p in box.iterdir()) == ["OPEN.md", "README.md", "answered"]
+    assert sorted(p.name for p in box.iterdir()) == ["OPEN.md", "README.md", "answered", "progress.json"]
     assert (box / "OPEN.md").read_text().startswith("# 0 questions wait; 24 were answered")
     answered = list((box / "answered").iterdir())
     assert len(answered) == 24

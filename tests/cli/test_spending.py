@@ -81,10 +81,13 @@ def invents(body: dict[str, Any]) -> Reply:
 
 
 FAULTS: dict[str, Callable[[dict[str, Any]], Reply]] = {
-    "thinks 300": thinks(300), "thinks 3000": thinks(3000), "thinks 16000": thinks(16_000),
-    "thinks 90000": thinks(90_000), "thinks at times": thinks_at_times, "cuts": cuts, "refuses": refuses,
-    "forgets": forgets, "invents": invents,
-}  # fmt: skip
+    **{f"thinks {tokens}": thinks(tokens) for tokens in (300, 3000, 16_000, 90_000)},
+    "thinks at times": thinks_at_times,
+    "cuts": cuts,
+    "refuses": refuses,
+    "forgets": forgets,
+    "invents": invents,
+}
 
 
 @pytest.fixture(scope="module")

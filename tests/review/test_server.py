@@ -16,6 +16,7 @@ import pytest
 from lamps_run import learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.review import ReviewServer
+from pix2pred.review.loopback import LoopbackServer
 from pix2pred.review.session import Session
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.learn import LearnedRun
@@ -37,7 +38,7 @@ def server(tmp_path: Path) -> Iterator[ReviewServer]:
 
 
 def ask(
-    server: ReviewServer, path: str, body: Any = None, method: str | None = None, **headers: str
+    server: LoopbackServer, path: str, body: Any = None, method: str | None = None, **headers: str
 ) -> tuple[int, Any]:
     connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=60)
     sent = {k.replace("_", "-"): v for k, v in headers.items()}

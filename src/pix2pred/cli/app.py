@@ -30,6 +30,7 @@ _VERBS = (
     "data:schema",
     "learn:learn",
     "review:review",
+    "mailbox:mailbox",
     "distil:distil",
     "solve:solve",
     "plan:plan",

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.cli.console import UsageError, bars, err, print_estimated, print_json, print_learned
-from pix2pred.cli.ranges import DOLLARS, NOT_NEGATIVE, WORKERS, between, output_folder
+from pix2pred.cli.ranges import DOLLARS, NOT_NEGATIVE, WORKERS, between, output_folder, quoted
 from pix2pred.demos import Project, join_projects, project_digest, read_project
 from pix2pred.pipeline import LearningProblem, ask
 from pix2pred.registry import MODEL_FORMS, NO_LIMITS, Registry
@@ -171,8 +171,12 @@ def run_learning(
 def say_where_questions_wait(model: ModelSpec) -> None:
     """Say where questions wait, if the model is a person."""
     if model.waits_in is not None:
-        said = f"Questions wait for answers in {model.waits_in}; its README.md says how. Ctrl-C stops."
-        err.print(said, markup=False)
+        err.print(
+            f"Questions wait for answers in {model.waits_in}. In another terminal: pix2pred mailbox "
+            f"{quoted(model.waits_in)} --open\n(or by hand: its README.md says how). Ctrl-C stops; the same command "
+            "goes on.",
+            markup=False,
+        )
 
 
 def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +14,7 @@ from pix2pred.cli.console import err, out
 from pix2pred.cli.ranges import PORT
 from pix2pred.report import write_report
 from pix2pred.review import ReviewServer
+from pix2pred.review.loopback import LoopbackServer
 from pix2pred.runs.folder import RunFolder
 
 
@@ -35,13 +37,17 @@ def review(
     folder = RunFolder(run)
     folder.config()
     with ReviewServer(folder, port) as server:
-        out.print(server.url, markup=False, soft_wrap=True)
-        err.print("Only this machine can open this address; keep it to yourself. Ctrl-C ends.", style="dim")
-        if open_browser:
-            threading.Timer(0.2, webbrowser.open, (server.url,)).start()
-        try:
-            server.serve_forever()
-        except KeyboardInterrupt:
-            err.print("\nall corrections are saved", style="dim")
+        serve(server, open_browser=open_browser)
+    err.print("all corrections are saved", style="dim")
     write_report(folder)
     return 0
+
+
+def serve(server: LoopbackServer, *, open_browser: bool) -> None:
+    """Say where ``server`` is, open it in a browser if wanted, and serve until Ctrl-C."""
+    out.print(server.url, markup=False, soft_wrap=True)
+    err.print("Only this machine can open this address; keep it to yourself. Ctrl-C ends.", style="dim")
+    if open_browser:
+        threading.Timer(0.2, webbrowser.open, (server.url,)).start()
+    with suppress(KeyboardInterrupt):
+        server.serve_forever()

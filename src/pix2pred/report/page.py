@@ -60,7 +60,7 @@ def render(contents: Contents, *, review: bool = False) -> str:
         review=review,
         style=Markup(asset("style.css")),
         scripts=[Markup(s) for s in scripts],
-        policy=_policy(scripts, review=review),
+        policy=policy(scripts, served=review),
         data=Markup(_safe_json(data)),
         pictures=[uri or "" for uri in album.uris()],
         pool=pool,
@@ -119,11 +119,13 @@ def asset(name: str) -> str:
     return (files("pix2pred.report") / "templates" / name).read_text(encoding="utf-8")
 
 
-def _policy(scripts: list[str], *, review: bool) -> str:
+def policy(scripts: list[str], *, served: bool) -> str:
+    """What a page may load: its own scripts, and from the server that serves it, if one does."""
     digests = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(s.encode()).digest()).decode()}'" for s in scripts)
-    connect = "; connect-src 'self'" if review else ""
+    connect = "; connect-src 'self'" if served else ""
+    own = " 'self'" if served else ""
     return (
-        f"default-src 'none'; script-src {digests}; style-src 'unsafe-inline'; img-src data: blob:{connect}; "
+        f"default-src 'none'; script-src {digests}; style-src 'unsafe-inline'; img-src data: blob:{own}{connect}; "
         "base-uri 'none'; form-action 'none'"
     )
 

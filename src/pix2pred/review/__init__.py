@@ -1,6 +1,7 @@
-"""Correcting a run in the browser: a loopback server for the report, and the append-only file of corrections."""
+"""Correcting a run and answering a mailbox in the browser: one loopback server, and the append-only corrections."""
 
 from pix2pred.review.log import CorrectionLog, StaleError
+from pix2pred.review.mailbox import MailboxServer
 from pix2pred.review.server import ReviewServer
 
-__all__ = ["CorrectionLog", "ReviewServer", "StaleError"]
+__all__ = ["CorrectionLog", "MailboxServer", "ReviewServer", "StaleError"]

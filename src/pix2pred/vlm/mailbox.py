@@ -2,6 +2,7 @@
 
     DIR/README.md                      how to answer
     DIR/OPEN.md                        what waits, and how many were answered
+    DIR/progress.json                  how many questions a dry run expects in all
     DIR/demo-0-state-1-label-1f3a9c20/ one question: prompt.md, 01.png, 02.png, ..., request.json
         form.txt                       for labels: every atom with the value it had before, to correct and rename
         answer.txt                     the answer, put there by a person
@@ -23,14 +24,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.system.files import write_whole
+from pix2pred.vlm.control.guard import Estimate
+from pix2pred.vlm.mailbox_folder import ANSWER, ANSWERED, MOST_BYTES, PROGRESS, form
 from pix2pred.vlm.model_spec import Draw, Kind, ModelSpec, Setup
-from pix2pred.vlm.offline.prompt_format import asked_atoms, previous_values
 from pix2pred.vlm.request import VLM, Answer, NoAnswerError, Purpose, Request, VLMError
 
-ANSWERED = "answered"
 _README = """# Questions waiting for an answer
 
-Every folder here is one question. To answer it:
+`pix2pred mailbox DIR --open` shows them in a browser, with buttons for the answers. By hand, every folder here is one
+question. To answer it:
 
 1. Open `prompt.md`. It says everything, and shows the pictures `01.png`, `02.png`, ... in their order. To ask a model
    in a chat window, give it the pictures in this order and the text of `prompt.md`.
@@ -53,7 +55,7 @@ class MailboxSpec(ModelSpec):
     directory: Path
 
     def connect(self, setup: Setup) -> VLM:
-        return MailboxVLM(self.directory, setup.draw)
+        return MailboxVLM(self.directory, setup.draw, estimate=setup.spending.estimate)
 
     @property
     def waits_in(self) -> Path:
@@ -66,8 +68,10 @@ MAILBOX = Kind("mailbox:DIR", lambda rest: MailboxSpec(Path(rest)))
 class MailboxVLM:
     """Implements ``VLM``: puts a question into a folder and waits until a usable answer lies beside it."""
 
-    def __init__(self, directory: Path, draw: Draw, poll: float = 0.5) -> None:
+    def __init__(self, directory: Path, draw: Draw, *, poll: float = 0.5, estimate: Estimate | None = None) -> None:
         self.name = "mailbox"
+        self._estimate = estimate
+        self._estimated: set[bool] = set()
         self._directory = directory
         self._draw = draw
         self._poll = poll
@@ -78,7 +82,8 @@ class MailboxVLM:
         """Wait for the answer, however long it takes. Raises ``VLMError`` when the folder cannot be used."""
         name = _folder_name(request, self.name)
         try:
-            earlier = self._directory / ANSWERED / name / "answer.txt"
+            self._reckon(request)
+            earlier = self._directory / ANSWERED / name / ANSWER
             if earlier.is_file() and not _problem(request, text := _read(earlier)):
                 return Answer(text)
             folder = self._post(name, request)
@@ -91,6 +96,18 @@ class MailboxVLM:
     def stop(self) -> None:
         """End all waiting: the run is over."""
         self._stopped.set()
+
+    def _reckon(self, request: Request) -> None:
+        """Write down how many questions there will be: before the first, and when the proposals are known."""
+        proposing = request.purpose in (Purpose.PROPOSE, Purpose.DEFINE)
+        with self._listing:
+            if self._estimate is None or proposing in self._estimated:
+                return
+            self._estimated.add(proposing)
+            answered = sum(1 for _ in (self._directory / ANSWERED).glob("*/request.json"))
+            if (left := self._estimate()) is not None:
+                document = json.dumps({"expected": answered + left.questions})
+                write_whole(self._directory / PROGRESS, document.encode())
 
     def _post(self, name: str, request: Request) -> Path:
         """The question's folder, which appears complete or not at all."""
@@ -110,8 +127,8 @@ class MailboxVLM:
                 (part / picture).write_bytes(self._draw(item))
                 lines.append(f"![{item.heading or picture}]({picture})")
             (part / "prompt.md").write_text("\n\n".join(lines) + "\n", encoding="utf-8")
-            if form := _form(request):
-                (part / "form.txt").write_text(form, encoding="utf-8")
+            if request.purpose in (Purpose.LABEL, Purpose.DOUBLE_CHECK):
+                (part / "form.txt").write_text(form(request.text), encoding="utf-8")
             document: dict[str, object] = {
                 "key": request.key(self.name),
                 "about": request.about,
@@ -134,7 +151,7 @@ class MailboxVLM:
             write_whole(self._directory / "OPEN.md", text.encode())
 
     def _wait(self, folder: Path, request: Request) -> str:
-        path, seen = folder / "answer.txt", None
+        path, seen = folder / ANSWER, None
         while True:
             found = path.stat() if path.is_file() else None
             state = (found.st_mtime_ns, found.st_size) if found else None
@@ -151,7 +168,7 @@ class MailboxVLM:
     def _return(self, folder: Path, problem: str) -> None:
         number = 1 + sum(1 for _ in folder.glob("answer-returned-*.txt"))
         returned = f"answer-returned-{number}.txt"
-        (folder / "answer.txt").rename(folder / returned)
+        (folder / ANSWER).rename(folder / returned)
         text = (
             f"# This answer could not be used\n\n{problem}\n\n"
             f"The answer is now `{returned}`. Correct it and save it as `answer.txt`.\n"
@@ -167,21 +184,14 @@ class MailboxVLM:
         self._tell_what_is_open()
 
 
-def _form(request: Request) -> str:
-    """Lines to fill in for a question about labels: its atoms with the values before, ``?`` where none is known."""
-    if request.purpose not in (Purpose.LABEL, Purpose.DOUBLE_CHECK):
-        return ""
-    before = previous_values(request.text)
-    return "".join(f"* {atom}: {before.get(str(atom), '?')}\n" for atom in asked_atoms(request.text))
-
-
 def _folder_name(request: Request, model: str) -> str:
     about = re.sub(r"[^a-z0-9]+", "-", request.about.lower()).strip("-")[:60]
     return "-".join(part for part in (about, request.purpose, request.key(model)[:8]) if part)
 
 
 def _read(path: Path) -> str:
-    return path.read_bytes().decode("utf-8", errors="replace").removeprefix("\ufeff").strip()
+    with path.open("rb") as file:
+        return file.read(MOST_BYTES).decode("utf-8", errors="replace").removeprefix("\ufeff").strip()
 
 
 def _problem(request: Request, text: str) -> str:

@@ -63,6 +63,12 @@ def previous_values(text: str) -> dict[str, str]:
     return dict(_VALUE_LINE.findall(match[1])) if match else {}
 
 
+def stated_values(text: str) -> dict[str, str]:
+    """The values of the answer that a prompt quotes, as words; empty where it quotes none."""
+    quoted = text.rpartition("<answer>\n")[2].partition("\n</answer>")[0] if "<answer>\n" in text else ""
+    return dict(_VALUE_LINE.findall(quoted))
+
+
 def current_views(views: Sequence[View]) -> list[View]:
     """The uncropped pictures of the latest state."""
     whole = [v for v in views if v.crop is None]
