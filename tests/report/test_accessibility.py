@@ -15,9 +15,13 @@ from cli.hostile_lamps import Fake, OneModel, sees
 from extras import need
 from lamps_run import BOMB, learn_lamps
 from pix2pred.cli.app import run as command
+from pix2pred.images import ShownPictures
 from pix2pred.report import REPORT
-from pix2pred.review import ReviewServer
+from pix2pred.review import MailboxServer, ReviewServer
 from pix2pred.runs.folder import RunFolder
+from pix2pred.vlm.mailbox import MailboxVLM
+from pix2pred.vlm.mailbox_folder import MailboxFolder
+from vlm.test_mailbox import QUESTION, asking, awaited
 
 pytestmark = need("playwright", "axe_playwright_python", extra="browser")
 
@@ -58,6 +62,19 @@ def _review(run: RunFolder) -> Iterator[str]:
         server.shutdown()
 
 
+@contextmanager
+def _mailbox(run: RunFolder) -> Iterator[str]:
+    folder = run.path.parent / "mailbox"
+    box = MailboxVLM(folder, ShownPictures(), poll=0.01)
+    asking(box, QUESTION, [])
+    awaited(folder, "d0-*/request.json")
+    with MailboxServer(MailboxFolder(folder)) as server:
+        threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True).start()
+        yield server.url
+        server.shutdown()
+    box.stop()
+
+
 def _faults(page: Any) -> list[str]:
     """What axe-core calls serious or worse, a line an element."""
     from axe_playwright_python.sync_playwright import Axe
@@ -72,14 +89,14 @@ def _faults(page: Any) -> list[str]:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("opened", [_report, _plan, _review])
+@pytest.mark.parametrize("opened", [_report, _plan, _review, _mailbox])
 def test_nothing_serious_is_found(browser: Any, run: RunFolder, opened: Any, scheme: str) -> None:
     context = browser.new_context(viewport={"width": 1280, "height": 800}, color_scheme=scheme)
     page = context.new_page()
     page.set_default_timeout(60_000)
     with opened(run) as address:
         page.goto(address)
-        page.wait_for_load_state()
+        page.wait_for_load_state("networkidle")
         for details in page.locator("details").all():
             details.evaluate("x => { x.open = true }")
         assert _faults(page) == []
