@@ -6,19 +6,21 @@ each. A command takes one ``Registry`` and asks it for everything, so that tests
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pix2pred.images import ShownPictures
 from pix2pred.planners import Planners
-from pix2pred.structs import Atom, FromVLM
+from pix2pred.structs import Atom, FromVLM, Label
 from pix2pred.structs.environment import Domain, Environment, KnowsTruth
 from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.installed import load, named
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import REPLAY
 from pix2pred.vlm.control.estimate import EstimatingVLM
+from pix2pred.vlm.distilled.spec import CASCADE_FORM, READER, cascade_kind
 from pix2pred.vlm.hosted.anthropic import Anthropic
 from pix2pred.vlm.hosted.google import Google
 from pix2pred.vlm.hosted.openai import OpenAI
@@ -64,9 +66,10 @@ _KINDS: dict[str, Kind] = {
     **{p.name: kind_of(p) for p in _PROVIDERS},
     "replay": REPLAY,
     "mailbox": MAILBOX,
+    "reader": READER,
 }
 """Kinds of models; group ``pix2pred.models`` for functions of what follows ``KIND:`` that give a ``VLM``."""
-MODEL_FORMS = ", ".join(kind.form for kind in _KINDS.values())
+MODEL_FORMS = ", ".join((*(kind.form for kind in _KINDS.values()), CASCADE_FORM))
 """How the models that come along are written, for help texts."""
 
 NO_LIMITS = Spending()
@@ -94,10 +97,15 @@ class Registry(Planners):
         """All providers of hosted models."""
         return (*_PROVIDERS, *(load(target)() for target in named("providers", {}).values()))
 
+    def others(self, kind: str, group: str, ours: dict[str, str], name: str) -> Any:
+        """What ``name`` means in a table of ours or of the entry points ``group``. Raises ``UnknownNameError``."""
+        return _find(kind, name, named(group, ours))
+
     def model_spec(self, text: str) -> ModelSpec:
         """The model that ``--vlm`` names. Raises ``ModelNameError`` with the forms there are."""
         others = {kind: Kind(f"{kind}:...", MadeSpec.by(load(made))) for kind, made in named("models", {}).items()}
-        return read_model(text, others | {p.name: kind_of(p) for p in self.providers()} | _KINDS)
+        kinds = others | {p.name: kind_of(p) for p in self.providers()} | _KINDS
+        return read_model(text, kinds | {"cascade": cascade_kind(self.model_spec, _said)})
 
     def vlm(
         self, spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, limits: Spending = NO_LIMITS
@@ -113,19 +121,24 @@ class Registry(Planners):
         mode: StoreMode = StoreMode.RESUME,
         flow: FlowSettings = _DEFAULT_FLOW,
         limits: Spending = NO_LIMITS,
-    ) -> StoredVLM:
-        """The model that ``--vlm`` names, behind an answer store. ``replay:DIR`` brings its own store."""
-        model, setup = self.model_spec(spec), self._setup(domain, flow, limits)
-        if model.own_answers is not None:
-            return StoredVLM(model.connect(setup), AnswerStore(model.own_answers), StoreMode.REPLAY)
-        return StoredVLM((model.by_name if mode == StoreMode.REPLAY else model.connect)(setup), store, mode)
+    ) -> VLM:
+        """The model that ``--vlm`` names, behind an answer store. ``replay:DIR`` brings its own store.
+
+        Of a cascade the large model's answers are stored; what its reader says is read anew.
+        """
+        setup = self._setup(domain, flow, limits)
+        return self.model_spec(spec).around(setup, lambda model: _stored(model, setup, store, mode))
 
     def estimator(
         self, spec: str, domain: str | None, store: AnswerStore, flow: FlowSettings = _DEFAULT_FLOW
     ) -> EstimatingVLM:
         """What counts the questions that ``spec`` would be asked, for which neither key nor network is needed."""
-        stored = self.stored(spec, domain, store, StoreMode.REPLAY)
-        return EstimatingVLM(stored, self.model_spec(spec).rates, flow.thinking)
+        model, setup = self.model_spec(spec), self._setup(domain, flow, NO_LIMITS)
+        return EstimatingVLM(
+            lambda counted: model.around(setup, lambda m: counted(_stored(m, setup, store, StoreMode.REPLAY))),
+            model.rates,
+            flow.thinking,
+        )
 
     def _setup(self, domain: str | None, flow: FlowSettings, limits: Spending) -> Setup:
         reader = self.domain(domain).reader if domain else None
@@ -156,6 +169,21 @@ REGISTRY = Registry()
 
 load_domain, load_approach, load_planner = REGISTRY.domain, REGISTRY.approach, REGISTRY.planner
 load_vlm, load_stored, planner_names = REGISTRY.vlm, REGISTRY.stored, REGISTRY.planner_names
+
+
+def _stored(model: ModelSpec, setup: Setup, store: AnswerStore, mode: StoreMode) -> StoredVLM:
+    """One model behind a store."""
+    if model.own_answers is not None:
+        return StoredVLM(model.connect(setup), AnswerStore(model.own_answers), StoreMode.REPLAY)
+    return StoredVLM((model.by_name if mode == StoreMode.REPLAY else model.connect)(setup), store, mode)
+
+
+def _said(answer: str, atoms: Sequence[str]) -> dict[str, bool]:
+    """The values that a model's answer gives to atoms, in words or as JSON."""
+    from pix2pred.predicates.labelling.label_format import LabelFormat
+
+    values = LabelFormat().read(answer, atoms).values
+    return {atom: value == Label.TRUE for atom, value in values.items() if value != Label.UNKNOWN}
 
 
 def check_family(domain: Domain, family: str) -> None:

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pix2pred.execution import Solver
 from pix2pred.registry import Registry, check_family
-from pix2pred.robots.addresses import SimulatedEpisode, SpotAt
+from pix2pred.robots.addresses import AddressError, SimulatedEpisode, SpotAt
 from pix2pred.robots.robot import Robot, RobotMemory
 from pix2pred.robots.simulated import SimulatedRobot
 from pix2pred.structs import Task
 from pix2pred.structs.environment import Domain
-from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.structs.space.surroundings import Roamable
-from pix2pred.system.errors import Pix2predError
 from pix2pred.system.extras import optional
-from pix2pred.system.installed import load, named
 
 if TYPE_CHECKING:
     from pix2pred.robots.simulator.server import SpotServer
@@ -37,10 +34,6 @@ _DETECTORS = {
 """From a session, what follows the colon and the model that labels, to what finds objects; ``pix2pred.detectors``."""
 
 
-class NoRobotWalksError(Pix2predError, ValueError):
-    """A domain in whose worlds no robot can walk."""
-
-
 def simulated_robot(registry: Registry, address: SimulatedEpisode, task: Task) -> Robot:
     """A simulated episode as a robot, for a task about its scene. Raises ``UnknownNameError``."""
     made = registry.domain(address.domain)
@@ -52,24 +45,27 @@ def simulated_robot(registry: Registry, address: SimulatedEpisode, task: Task) -
 def simulated_spot(
     domain: Domain, family: str, seed: int, index: int, folder: Path, port: int, pace: float, faults: Sequence[str]
 ) -> SpotServer:
-    """A simulated Spot in a scene of ``domain``, which is served from now on. Raises ``NoRobotWalksError``."""
+    """A simulated Spot in a scene of ``domain``, which is served from now on. Raises ``AddressError``."""
     optional("bosdyn.client", "spot")
     from pix2pred.robots.simulator.making import serve
 
     if not isinstance(domain, Roamable):
-        raise NoRobotWalksError(f"no robot can walk in the worlds of {domain.name}; choose cleanup or juice")
+        raise AddressError(f"no robot can walk in the worlds of {domain.name}; choose cleanup or juice")
     return serve(lambda: domain.roaming(family, seed, index), folder, seed, port, pace, faults)
 
 
-def spot(at: SpotAt, certificate: Path | None, task: Task, solver: Solver, detector: str, memory: RobotMemory) -> Robot:
+def spot(
+    registry: Registry, at: SpotAt, certificate: Path | None, task: Task, solver: Solver, detector: str,
+    memory: RobotMemory,
+) -> Robot:  # fmt: skip
     """A Spot with programs for the skills of ``solver``'s model. Raises ``UnknownNameError``."""
     optional("bosdyn.client", "spot")
     from pix2pred.robots.spot import making
 
     words = solver.model.vocabulary
-    programs = _find("programs for skills", words.name, named("programs", _PROGRAMS))
+    programs = registry.others("programs for skills", "programs", _PROGRAMS, words.name)
     kind, _, rest = detector.partition(":")
-    outliner = _find("detector", kind, named("detectors", _DETECTORS))
+    outliner = registry.others("detector", "detectors", _DETECTORS, kind)
     session = making.connected(at, certificate)
     return making.spot(session, outliner(session, rest, solver.labeller.vlm), programs, task, words, memory)
 
@@ -80,9 +76,3 @@ def checked_spot(at: SpotAt, certificate: Path | None) -> Sequence[Finding]:
     from pix2pred.robots.spot import making
 
     return making.checked(making.connected(at, certificate))
-
-
-def _find(kind: str, name: str, table: dict[str, str]) -> Any:
-    if name not in table:
-        raise UnknownNameError(kind, name, table, listed=True)
-    return load(table[name])

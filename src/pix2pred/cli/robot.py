@@ -172,7 +172,7 @@ def run(
         if isinstance(address, SimulatedEpisode):
             made = simulated_robot(registry, address, chosen)
         else:
-            made = spot(address, certificate, chosen, solver, detector, session.memory(map_file))
+            made = spot(registry, address, certificate, chosen, solver, detector, session.memory(map_file))
         watcher = Silent(session) if json or yes else AtTheTerminal(session)
         done = session.act(made, solver, watcher)
     if json:
