@@ -13,8 +13,8 @@ from pix2pred.structs import Box, Image
 
 pytestmark = need("transformers", "torch", extra="detect")
 
-WORDS = ["<nothing>", "<|startoftext|>", "<|endoftext|>", "!", "!</w>", "a", "a</w>", "u", "u</w>", "d", "d</w>", "c", "c</w>", "k",
-         "k</w>", ".", ".</w>"]  # fmt: skip
+LETTERS = [letter + end for letter in "!audck." for end in ("", "</w>")]
+WORDS = ["<nothing>", "<|startoftext|>", "<|endoftext|>", *LETTERS]
 
 
 @pytest.fixture(scope="module")
