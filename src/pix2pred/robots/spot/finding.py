@@ -122,7 +122,7 @@ class Found:
         low, high = self.extent(within=within)
         return np.asarray((low + high) / 2)
 
-    def pixel_near(self, point: Sequence[float]) -> tuple[float, float]:
+    def pixel_near(self, point: Array) -> tuple[float, float]:
         """The pixel of the point that is nearest to a place in the map."""
         i = int(np.argmin(np.linalg.norm(self.points - np.asarray(point), axis=1)))
         return float(self.pixels[i, 0]), float(self.pixels[i, 1])

@@ -12,6 +12,7 @@ import numpy as np
 from pix2pred.robots.robot import Outcome, RobotError, RobotMemory, View
 from pix2pred.robots.spot.eyes import Eyes, Shot
 from pix2pred.robots.spot.finding import Found, Outliner, points_of
+from pix2pred.robots.spot.frames import ODOM, seen_from
 from pix2pred.robots.spot.limbs import FailedError, Limbs
 from pix2pred.robots.spot.session import Session
 from pix2pred.robots.spot.settings import CAMERAS, DEPTH_OF, FRONT, HOME, LOOKING, SHOULDER, SpotSettings
@@ -155,6 +156,11 @@ class Spot:
                 raise FailedError(f"{name} is not seen")
             seen_by.sort(key=lambda f: -len(f.points))
         return found
+
+    def hand_at(self) -> np.ndarray:
+        """Where the hand is in the map."""
+        tree = self.session.state().kinematic_state.transforms_snapshot
+        return (Pose.on_floor(self.whereabouts.map_from_odom) * seen_from(tree, ODOM, "hand")).at
 
     def reaches(self, place: FloorPose, points: Sequence[np.ndarray]) -> bool:
         """Whether the hand gets to all points of the map from a place."""

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.domains.home.drawing.fixtures import stroke_points, table_size
+from pix2pred.domains.home.drawing.fixtures import bin_size, stroke_points, table_size
 from pix2pred.domains.home.drawing.movables import KINDS
 from pix2pred.domains.home.drawing.vessels import HOPPER_RADIUS, HOPPER_TOP, VESSELS
-from pix2pred.domains.home.places import on_table, things_in
+from pix2pred.domains.home.places import on_table
 from pix2pred.domains.home.settling import settled
 from pix2pred.domains.home.stage import stage_for
 from pix2pred.domains.home.world import UPRIGHT, Thing, World
@@ -213,7 +213,7 @@ def _carried(world: World, wielded: Wielded, path: Sequence[Pose]) -> World:
     As long as it stays level its contents come along; once it tilts, physics runs until it is still again.
     """
     name, stage = wielded.name, stage_for(world)
-    contents = things_in(world, name)
+    contents = inside_of(world, name)
     running = False
     for start, end in itertools.pairwise(path):
         first, last = start * wielded.seen_from_hand, end * wielded.seen_from_hand
@@ -241,6 +241,19 @@ def _carried(world: World, wielded: Wielded, path: Sequence[Pose]) -> World:
     return world
 
 
+def inside_of(world: World, name: str) -> tuple[str, ...]:
+    """The things in a bin, wherever it is and however it is turned."""
+    bin_ = world.thing(name)
+    size, frame = bin_size(bin_), pose_of(bin_).inverse
+    found = []
+    for thing in world.of_type("movable_object"):
+        x, y, z = frame.points(np.array(thing.at))
+        within = abs(x) <= size.half_x and abs(y) <= size.half_y and 0 <= z <= size.height + 0.03
+        if within and thing.name != world.holding:
+            found.append(thing.name)
+    return tuple(found)
+
+
 def _shifted(world: World, names: Sequence[str], by: Array) -> World:
     return world.with_thing(
         *(
@@ -255,7 +268,7 @@ def stood_down(world: World, name: str) -> World:
     thing = world.thing(name)
     x, y, z = thing.at
     if math.acos(min(1.0, abs(thing.turn[0]))) < 0.1:
-        world = _shifted(world, (name, *things_in(world, name)), np.array([0.0, 0.0, -z]))
+        world = _shifted(world, (name, *inside_of(world, name)), np.array([0.0, 0.0, -z]))
     return settled(world.with_thing(replace(world.thing(name), at=(x, y, 0.0), turn=UPRIGHT)), 1.0)
 
 

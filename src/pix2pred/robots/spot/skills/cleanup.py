@@ -124,11 +124,14 @@ def dump(spot: Spot, container: str) -> None:
     seen = spot.find(container)[container]
     bin_ = merged(seen)
     middle = bin_.middle(within=RIM)
-    rim = bin_.points[bin_.points[:, 2] >= bin_.top - 0.015]
-    grip = rim[int(np.argmin(np.linalg.norm(rim[:, :2] - _towards(middle), axis=1)))]
-    spot.limbs.grasp(seen[0].shot, *seen[0].pixel_near(grip))
+    wanted = _rim_point(seen[0], middle)
+    spot.limbs.grasp(seen[0].shot, *seen[0].pixel_near(wanted))
     if not spot.session.state().manipulator_state.is_gripper_holding_item:
         raise FailedError(f"{container} is not in the hand")
+    grip = spot.hand_at()
+    if float(np.linalg.norm(grip - wanted)) > OFF_THE_RIM:
+        spot.limbs.open_fingers()
+        raise FailedError(f"{container} was taken beside the rim")
     out = grip[:2] - middle
     radius = float(np.linalg.norm(out))
     out = out / radius
@@ -149,10 +152,24 @@ def dump(spot: Spot, container: str) -> None:
     spot.limbs.close_fingers()
 
 
-def _towards(middle: Array) -> Array:
-    """A point far off on the side of a bin over which it is tipped: towards the free floor."""
+OFF_THE_RIM = 0.06
+"""Metres between where a bin was to be taken and where it was, beyond which it is put down again."""
+
+
+def _rim_point(bin_: Found, middle: Array) -> Array:
+    """A point of the rim towards the free floor, with rim all around it: beside the rim, one looks past it."""
+    rim = bin_.points[bin_.points[:, 2] >= bin_.top - RIM_THICKNESS]
     way = np.array(SPILL) - middle
-    return np.asarray(middle + way)
+    along = (rim[:, :2] - middle) @ (way / np.linalg.norm(way))
+    near = rim[along >= np.percentile(along, 80)]
+    across = np.abs((near[:, :2] - middle) @ np.array([-way[1], way[0]]) / np.linalg.norm(way))
+    candidates = near[across <= max(0.04, float(across.min()) + 0.01)]
+    around = [int((np.linalg.norm(rim - p, axis=1) < 0.012).sum()) for p in candidates]
+    return np.asarray(candidates[int(np.argmax(around))])
+
+
+RIM_THICKNESS = 0.015
+"""Metres under its top at which the rim of a bin is still its rim."""
 
 
 def _holds(spot: Spot, name: str) -> None:
