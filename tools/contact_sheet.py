@@ -16,6 +16,9 @@ from pix2pred.registry import load_domain
 from pix2pred.structs import Pixels
 from pix2pred.structs.views import View
 
+GAP = 6
+"""White pixels between frames."""
+
 
 def frames(
     domain: str, family: str, seed: int, demos: list[int], tasks: int, side: int, *, marks: bool
@@ -38,12 +41,15 @@ def frames(
 
 
 def sheet(shown: list[Pixels], columns: int) -> Pixels:
-    height, width = (max(f.shape[i] for f in shown) for i in (0, 1))
-    rows = -(-len(shown) // columns)
-    page = np.full((rows * (height + 6), columns * (width + 6), 3), 255, dtype=np.uint8)
-    for k, frame in enumerate(shown):
-        top, left = (k // columns) * (height + 6), (k % columns) * (width + 6)
-        page[top : top + frame.shape[0], left : left + frame.shape[1]] = frame
+    """All frames on one page, row by row; a row is as high as its highest frame."""
+    width = max(f.shape[1] for f in shown) + GAP
+    rows = [shown[k : k + columns] for k in range(0, len(shown), columns)]
+    heights = [max(f.shape[0] for f in row) + GAP for row in rows]
+    page = np.full((sum(heights), columns * width, 3), 255, dtype=np.uint8)
+    for r, row in enumerate(rows):
+        top = sum(heights[:r])
+        for k, frame in enumerate(row):
+            page[top : top + frame.shape[0], k * width : k * width + frame.shape[1]] = frame
     return page
 
 

@@ -6,13 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.domains.home.cameras import some_pictures
+from pix2pred.domains.home.cameras import camera_names, some_pictures
 from pix2pred.domains.home.drawing.room import STYLES
 from pix2pred.domains.home.drawing.vessels import DRINKS
-from pix2pred.domains.home.places import Region
 from pix2pred.domains.home.world import Body, Thing, World
 from pix2pred.domains.juice.families import DEMONSTRATED_FRUITS, JUICE_CUPS, NEW_FRUITS
-from pix2pred.domains.juice.party import PartyCup, PartyJuicer, lay_out
 from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 from pix2pred.domains.juice.skills import FULL
 from pix2pred.domains.seeds import Split, scene_generator
@@ -21,8 +19,6 @@ from pix2pred.structs import Picture
 Rng = np.random.Generator
 
 _FRUITS = (*DEMONSTRATED_FRUITS, *NEW_FRUITS)
-_PARTIES = 0.3
-"""The share of a robot's scenes with several juicers."""
 
 
 def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
@@ -30,37 +26,10 @@ def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
     rng = scene_generator(seed, Split.READER, look)
     body = Body.HUMAN if rng.random() < 0.5 else Body.ROBOT
     style = str(rng.choice(sorted(STYLES)))
-    if body is Body.ROBOT and rng.random() < _PARTIES:
-        return _parties(style, per_look, rng)
     kinds = [str(k) for k in rng.choice(JUICE_CUPS, size=int(rng.integers(2, 4)))]
     fruits = [str(k) for k in rng.permutation(_FRUITS)[: int(rng.integers(1, 4))]]
     base = make_world(_plan(kinds, fruits, rng), body, style, rng)
     return [_rearranged(base, kinds, fruits, rng) for _ in range(per_look)]
-
-
-def _parties(style: str, count: int, rng: Rng) -> list[World]:
-    """Arrangements of the same things on a buffet with two or three juicers."""
-    kinds = [str(k) for k in rng.choice((*JUICE_CUPS, "bowl"), size=int(rng.integers(5, 8)))]
-    fruits = [str(k) for k in rng.permutation(_FRUITS)[: int(rng.integers(2, 4))]]
-    juicers = int(rng.integers(2, 4))
-    worlds: list[World] = []
-    for _ in range(count):
-        under = [(k, region) for k in range(juicers) for region in Region]
-        taken = [under[i] for i in rng.permutation(len(under))[: int(rng.integers(len(under)))]]
-        vessels = [
-            PartyCup(f"cup{i}", kind, under=taken[i] if i < len(taken) else None) for i, kind in enumerate(kinds)
-        ]
-        held = [fruits[i] if i < len(fruits) and rng.random() < 0.7 else None for i in rng.permutation(juicers)]
-        inside = [rng.random() < 0.6 for _ in held]
-        machines = [
-            PartyJuicer(f if i else None, None if i else f, bool(rng.random() < 0.5))
-            for f, i in zip(held, inside, strict=True)
-        ]
-        world = lay_out(machines, vessels, [f for f in fruits if f not in held], style, rng)
-        first = worlds[0] if worlds else world
-        looks = [replace(t, look=first.thing(t.name).look) for t in world.things]
-        worlds.append(_with_drinks(replace(world.with_thing(*looks), room=first.room), rng))
-    return worlds
 
 
 def _plan(kinds: list[str], fruits: list[str], rng: Rng) -> Plan:
@@ -107,10 +76,6 @@ def _filled(container: Thing, squeezed: list[str], rng: Rng) -> Thing:
     return replace(container, contents=contents, amount=float(rng.uniform(FULL - 0.08, FULL + 0.06)))
 
 
-_SHARES = {"frontleft_fisheye": 0.4, "frontright_fisheye": 0.4, "left_fisheye": 0.15, "right_fisheye": 0.15}
-"""How often a camera's picture is taken; the one at the back sees nothing of the scene."""
-
-
 def views(world: World) -> list[Picture]:
     """What a person sees, or the robot's hand camera and some of the others, drawn by the world's own seed."""
-    return some_pictures(world, _SHARES)
+    return some_pictures(world, dict.fromkeys(camera_names(world), 0.3))
