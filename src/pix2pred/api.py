@@ -20,7 +20,7 @@ from pix2pred.execution.belief.perception import Believing
 from pix2pred.learning.samplers.file import load_samplers
 from pix2pred.pipeline import Learned, LearningProblem
 from pix2pred.pipeline import learn as learn_world
-from pix2pred.planning.pddl.write import write_domain
+from pix2pred.planning.pddl.write import write_domain, write_problem
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY, Registry, check_family
 from pix2pred.report import REPORT, load_contents, render, write_report
@@ -36,6 +36,7 @@ from pix2pred.settings import Settings, of_kind, of_project, resolve
 from pix2pred.structs import Operator, Predicate, Task, WorldModel
 from pix2pred.structs.environment import asking_settings
 from pix2pred.structs.formats import world_model as files
+from pix2pred.system.extras import optional
 from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import VLM, AnswerStore, Together
 
@@ -117,6 +118,18 @@ class Model:
     def pddl(self) -> str:
         """The PDDL domain."""
         return write_domain(self.world)
+
+    def to_unified_planning(self, scene: PlannedScene | None = None) -> Any:
+        """The model as a ``Problem`` of unified-planning, with objects, facts and goal of ``scene`` if one is given.
+
+        Raises ``MissingExtraError`` without the extra ``planners``.
+        """
+        reader = optional("unified_planning.io", "planners").PDDLReader()
+        if scene is None:
+            return reader.parse_problem_string(self.pddl)
+        task = scene.task
+        problem = write_problem(self.world, task.name, task.objects, scene.seen, task.goal)
+        return reader.parse_problem_string(self.pddl, problem)
 
     def plan(self, task: Path | str | Task | StoredTask) -> PlannedScene:
         """Label the photos of a task, given as such or by its folder, and plan.

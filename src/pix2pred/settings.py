@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from pix2pred.demos.files.yaml_lines import MAX_BYTES, YamlError, parse_yaml
 from pix2pred.learning import LearningSettings
 from pix2pred.learning.samplers.settings import SamplerSettings
 from pix2pred.predicates import GrammarSettings, LabelSettings, ProposalSettings
@@ -114,10 +114,13 @@ def of_file(path: Path) -> Layer:
 
     Raises ``SettingsError`` for a file that is no YAML mapping, and ``OSError`` for one that cannot be read.
     """
+    with path.open("rb") as file:
+        content = file.read(MAX_BYTES + 1)
+    says_nothing = all(not line.strip() or line.lstrip().startswith(b"#") for line in content.splitlines())
     try:
-        loaded = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
-    except (ValueError, yaml.YAMLError) as error:
-        raise SettingsError(f"{path}: cannot be read as YAML ({' '.join(str(error).split())[:200]})") from error
+        loaded = {} if says_nothing else parse_yaml(content).data
+    except YamlError as error:
+        raise SettingsError(f"{path}:{error.line}: {error.message}") from error
     if not isinstance(loaded, dict):
         raise SettingsError(f"{path}: expected settings such as 'learning: {{j_threshold: 100}}'")
     values: dict[str, Any] = {}

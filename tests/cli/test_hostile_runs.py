@@ -23,6 +23,9 @@ DAMAGED_YAML: dict[str, bytes] = {
     "list": b"- 1\n",
     "not UTF-8": b"vlm: \xff\xfe",
     "tag": b'vlm: !!python/object/apply:os.system ["touch pwned"]\n',
+    "aliases": b"a: &a [x, x, x, x, x, x, x, x, x]\n"
+    + b"".join(b"%c: &%c [%s]\n" % (c, c, b", ".join([b"*%c" % (c - 1)] * 9)) for c in range(ord("b"), ord("k"))),
+    "deep": b"[" * 100_000,
     "keys missing": b"vlm: offline\n",
     "wrong values": b"{vlm: [1], model: 'fake:1', simulator: x, settings: 3, answers: 7}",
 }
@@ -43,7 +46,9 @@ def test_a_damaged_config_is_named_and_never_executed(
     assert tree(done) == before and not (done.parent / "pwned").exists()
 
 
-@pytest.mark.parametrize("content", [c for n, c in DAMAGED_YAML.items() if n in ("open", "not UTF-8", "tag", "list")])
+@pytest.mark.parametrize(
+    "content", [c for n, c in DAMAGED_YAML.items() if n in ("open", "not UTF-8", "tag", "list", "aliases", "deep")]
+)
 def test_a_damaged_settings_file_is_named_and_never_executed(
     cli: Cli, model: Model, data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes
 ) -> None:
@@ -52,6 +57,18 @@ def test_a_damaged_settings_file_is_named_and_never_executed(
     config.write_bytes(content)
     refused(cli("learn", data, "--out", tmp_path / "run", "--config", config), config)
     assert not (tmp_path / "pwned").exists() and not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("where", ["config.yaml", "model/world_model.json", "answers", "evidence/index.json"])
+def test_a_pipe_in_place_of_a_file_is_not_waited_for(cli: Cli, data: Path, done: Path, where: str) -> None:
+    victims = [done / where] if "." in where else [min((done / where).rglob("*.json"))]
+    if not victims[0].exists():
+        victims = [min((done / "labels").glob("*.json"))]
+    victims[0].unlink()
+    os.mkfifo(victims[0])
+    for told in (("learn", data, "--out", done), ("answers", "list", done), ("answers", "verify", done)):
+        ran = cli(*told)
+        assert ran.code in (0, 2) and "Traceback" not in ran.err
 
 
 MODELS: dict[str, bytes | None] = {

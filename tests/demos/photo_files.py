@@ -12,9 +12,15 @@ SECRET = "Ada Lovelace"
 
 
 def photo(
-    path: Path, *, seed: int = 0, size: tuple[int, int] = (160, 120), time: str | None = None, orientation: int = 1
+    path: Path,
+    *,
+    seed: int = 0,
+    size: tuple[int, int] = (160, 120),
+    time: str | None = None,
+    offset: str | None = None,
+    orientation: int = 1,
 ) -> Path:
-    """A JPEG (or PNG) of coloured areas; ``seed`` decides which."""
+    """A JPEG (or PNG) of coloured areas; ``seed`` decides which. ``offset`` is that of the camera's time zone."""
     rng = np.random.default_rng(seed)
     areas = rng.integers(0, 255, (6, 8, 3), dtype=np.uint8)
     image = PIL.Image.fromarray(areas).resize(size, PIL.Image.Resampling.NEAREST)
@@ -25,6 +31,8 @@ def photo(
     exif.get_ifd(IFD.GPSInfo)[GPS.GPSLatitude] = (52.0, 30.0, 59.0)
     if time:
         exif.get_ifd(IFD.Exif)[Base.DateTimeOriginal] = time
+    if offset:
+        exif.get_ifd(IFD.Exif)[Base.OffsetTimeOriginal] = offset
     path.parent.mkdir(parents=True, exist_ok=True)
     image.save(path, exif=exif)
     return path

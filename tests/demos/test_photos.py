@@ -43,6 +43,24 @@ def test_photos_of_one_second_keep_the_order_of_their_names(tmp_path: Path) -> N
     assert names(tmp_path) == ["burst8.jpg", "burst9.jpg", "burst10.jpg"]
 
 
+@pytest.mark.parametrize(
+    ("offsets", "order"),
+    [
+        (("+02:00", "+01:00", "+00:00"), "abc"),  # 8:00, 8:30 and 9:00 in UTC
+        (("-05:00", "+01:00", "+09:30"), "cba"),
+        (("+02:00", "+01:00", None), "cba"),  # one does not say: the cameras' clocks count
+        ((None, None, None), "cba"),
+        (("+02:00", "nonsense", "+00:00"), "cba"),
+    ],
+)
+def test_photos_of_two_time_zones_are_ordered_by_the_moment(
+    tmp_path: Path, offsets: tuple[str | None, ...], order: str
+) -> None:
+    for name, minute, offset in zip("abc", (60, 30, 0), offsets, strict=True):
+        photo(tmp_path / f"{name}.jpg", time=f"2026:05:01 {9 + minute // 60:02}:{minute % 60:02}:00", offset=offset)
+    assert names(tmp_path) == [f"{name}.jpg" for name in order]
+
+
 @pytest.mark.parametrize("ending", ["jpg", "png"])
 def test_a_copy_shows_the_same_and_tells_nothing(tmp_path: Path, ending: str) -> None:
     path = photo(tmp_path / f"x.{ending}", time="2026:05:01 10:00:00", orientation=6)

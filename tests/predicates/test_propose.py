@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -51,6 +53,17 @@ def test_an_unknown_object_comes_before_every_other_reason() -> None:
         "hand(x, x)": "x is not an object of this demonstration",
         "hand(p1, p1)": "mentions the excluded word hand",
     }
+
+
+@pytest.mark.parametrize(("places", "cups", "taken"), [(2, 60, True), (3, 12, True), (3, 13, False), (6, 4, False)])
+def test_predicates_of_many_places_and_objects_are_rejected_with_the_count(places: int, cups: int, taken: bool) -> None:
+    cup = Type("cup")
+    names = [f"cup{i}" for i in range(cups)] + [f"lid{i}" for i in range(6 - min(cups, 6))]
+    scene = replace(demo(), objects=tuple(Object(name, cup) for name in names))
+    found = read_proposal(scene, f"tower({', '.join(names[:places])})", DIVERSE)
+    assert bool(found.accepted) == taken
+    if not taken:
+        assert f"{places} places, which makes {len(names) ** places:,} atoms" in found.rejected[0].reason
 
 
 def test_the_same_name_may_have_several_arities() -> None:

@@ -171,3 +171,17 @@ def test_where_values_come_from_is_no_part_of_a_predicate() -> None:
     assert ON(cup, tray) in frozenset({asked(cup, tray)})
     assert Predicate("On", (THING, THING), FromDomain()) != ON
     assert Predicate("Under", (ITEM, THING), FromDomain()) != ON
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["not In(ice, glass)", "not(In(ice, glass))", "(not (In ice glass))", "!In(a)", "¬In(a)", "NOT In(a, b)"],
+)
+def test_negated_atoms_are_named_as_such(text: str) -> None:
+    with pytest.raises(ValueError, match="is negated, and atoms that must not hold are not supported"):
+        parse_application(text)
+
+
+@pytest.mark.parametrize("text", ["nothing(a)", "notes(a)", "Not_in(a, b)"])
+def test_names_that_begin_like_a_negation_are_names(text: str) -> None:
+    assert str(parse_application(text)) == text

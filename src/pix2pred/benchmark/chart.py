@@ -8,6 +8,7 @@ from typing import Any
 from pix2pred.benchmark.runner import Run
 from pix2pred.benchmark.statistics import TableCell, cell_of
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.extras import install_command
 
 COLOURS = ("#1b6ca8", "#9aa0a6", "#5f6368", "#c58b2a", "#7b9e3a", "#a4508b", "#d0694f", "#3aa6a0", "#7d6bb0")
 
@@ -21,7 +22,7 @@ def draw(run: Run) -> bytes:
     try:
         import matplotlib
     except ImportError as error:
-        raise PlotError("charts need the extra 'plot': pip install 'pix2pred[plot]'") from error
+        raise PlotError(f"charts need the extra 'plot': {install_command('plot')}") from error
     matplotlib.use("Agg")
     from matplotlib.figure import Figure
 

@@ -20,6 +20,7 @@ from pix2pred.registry import Registry
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.extras import install_command
 from pix2pred.vlm import AnswerStore, FlowSettings
 from pix2pred.vlm.answers.replay import replayed
 from pix2pred.vlm.checkup import check
@@ -76,7 +77,7 @@ def _installed() -> Iterator[Finding]:
             try:
                 yield Finding(what, True, version(name))
             except PackageNotFoundError:
-                install = f"pip install 'pix2pred{extra}'" if extra else "reinstall pix2pred"
+                install = install_command(extra.strip("[]")) if extra else "reinstall pix2pred"
                 yield Finding(what, None if extra else False, f"not installed ({install})")
 
 

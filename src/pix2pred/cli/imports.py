@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from json import dumps
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from pix2pred.cli.console import bars, counted, err, out, print_json
+from pix2pred.cli.console import UsageError, bars, counted, err, out, print_json
 from pix2pred.cli.ranges import POSITIVE, quoted
 from pix2pred.demos import DOMAIN, inspect_project
 from pix2pred.demos.authoring import MAX_SIDE, Declarations, Draft, Order, domain_text, write_drafts
-from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos, read_sidecar
+from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos, read_sidecar, traces_of_bits
+from pix2pred.system.files import write_whole
 from pix2pred.system.progress import Stage
 
 imports = App(name="import")
@@ -98,6 +100,34 @@ def lerobot(
     """
     segments = read_sidecar(actions) if actions else ()
     return _bring(drafts_of_lerobot(source, segments, max_side=max_side), out, overwrite, as_json=json)
+
+
+@imports.command
+def bits(
+    source: Path,
+    /,
+    *,
+    out: Annotated[Path, Parameter(name="--out", help="Traces file to write: .json, for select.")],
+    overwrite: Annotated[bool, Parameter(negative=(), help="Replace the file.")] = False,
+    json: AsJson = False,
+) -> int:
+    """Bring in states as bits and actions as numbers, in turn, one a line; an empty line begins another trace.
+
+    For example:
+
+    - `pix2pred import bits plans.txt --out plans.json`
+    """
+    if out.exists() and not overwrite:
+        raise UsageError(f"{out}: is there already; replace it with --overwrite or choose another file")
+    document = traces_of_bits(source)
+    write_whole(out, dumps(document, indent=1).encode())
+    counts = {"traces": len(document["demos"]), "bits": len(document["predicates"]), "actions": len(document["skills"])}
+    if json:
+        print_json({"file": str(out), **counts})
+    else:
+        told = ", ".join(counted(n, what.removesuffix("s")) for what, n in counts.items())
+        err.print(f"{told}; next: pix2pred select {quoted(out)} --out selection.json --pddl pddl", markup=False)
+    return 0
 
 
 def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: bool) -> int:

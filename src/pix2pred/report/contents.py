@@ -34,6 +34,7 @@ from pix2pred.runs.layout import (
 from pix2pred.runs.verdict import Climbed, Concern, concerns
 from pix2pred.structs import TruthTable, WorldModel
 from pix2pred.structs.formats.world_model import load_model
+from pix2pred.system.files import read_regular
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,6 @@ def load_contents(run: RunFolder) -> Contents:
 
 def _json(path: Path) -> Any:
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(read_regular(path))
     except (OSError, ValueError, RecursionError) as error:
         raise RunFolderError(f"{path}: is damaged ({error}); run the command that wrote it again") from error

@@ -15,6 +15,7 @@ from pix2pred.runs.layout import CONFIG, METRICS, MODEL, SOLVED, SUMMARY, TRACES
 from pix2pred.runs.verdict import sentences
 from pix2pred.structs import LabelledDemo
 from pix2pred.structs.formats.world_model import load_model
+from pix2pred.system.files import read_regular
 
 DEEPEST = 4
 """Levels of folders below the one that is searched."""
@@ -127,4 +128,4 @@ def _labels(one: tuple[LabelledDemo, ...], other: tuple[LabelledDemo, ...]) -> t
 
 
 def _json(path: Path) -> Any:
-    return json.loads(path.read_text(encoding="utf-8"))
+    return json.loads(read_regular(path))

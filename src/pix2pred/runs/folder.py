@@ -16,11 +16,12 @@ from typing import Any
 
 import yaml
 
+from pix2pred.demos.files.yaml_lines import YamlError, parse_yaml
 from pix2pred.runs import addresses
 from pix2pred.runs.layout import CONFIG, CORRECTIONS, LOCK
 from pix2pred.settings import default_of
 from pix2pred.system.errors import Pix2predError
-from pix2pred.system.files import refuse_irregular, remove_abandoned, write_whole
+from pix2pred.system.files import read_regular, refuse_irregular, remove_abandoned, write_whole
 from pix2pred.system.locks import LockedError, held
 
 
@@ -114,7 +115,9 @@ class RunFolder:
             self.write(CONFIG, text)
             return
         found = self.config()
-        different = [d for d in differences(found, yaml.safe_load(text)) if not (self._same_model(d) or _came_later(d))]
+        different = [
+            d for d in differences(found, parse_yaml(text.encode()).data) if not (self._same_model(d) or _came_later(d))
+        ]
         if different:
             keys = sorted({d.key.partition(".")[0] for d in different})
             listed = "; ".join(str(d) for d in different[:_SHOWN]) + ("; ..." if len(different) > _SHOWN else "")
@@ -148,8 +151,8 @@ class RunFolder:
         if not path.is_file():
             raise RunFolderError(f"{self.path}: holds no run (no config.yaml); make one with 'pix2pred learn'")
         try:
-            config = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except (ValueError, yaml.YAMLError) as error:
+            config = parse_yaml(read_regular(path)).data
+        except YamlError as error:
             raise RunFolderError(f"{path}: is damaged ({' '.join(str(error).split())[:200]})") from error
         if not isinstance(config, dict):
             raise RunFolderError(f"{path}: is damaged (not a mapping); delete the folder to start over")

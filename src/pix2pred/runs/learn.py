@@ -23,7 +23,7 @@ from pix2pred.settings import Settings
 from pix2pred.structs import FromVLM, Image, LiftedAtom, Operator, WorldModel
 from pix2pred.structs.formats.world_model import load_model
 from pix2pred.structs.samplers import Sampler
-from pix2pred.system.files import write_whole
+from pix2pred.system.files import read_regular, write_whole
 from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import AnswerStore, CountingVLM
 
@@ -141,7 +141,7 @@ def relearn(run: RunFolder, progress: Progress = silent) -> LearnedRun:
     config = run.config()
     try:
         settings = Settings.model_validate(config["settings"]).learning
-        metrics = json.loads((run.path / METRICS).read_text(encoding="utf-8"))
+        metrics = json.loads(read_regular(run.path / METRICS))
     except (KeyError, ValueError) as error:
         raise RunFolderError(f"{run.path}: is damaged ({type(error).__name__}: {error})") from error
     model = load_model(run.path / MODEL)

@@ -149,6 +149,7 @@ class LiftedAtom:
 
 
 _APPLICATION = re.compile(r"\s*([^\s()]+)\s*\(([^()]*)\)\s*\Z")
+_NEGATED = re.compile(r"\s*\(?\s*(?:not\b|[!~\u00ac])", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +166,11 @@ class Application:
 def parse_application(text: str) -> Application:
     """Read ``Name(arg, arg)``. Raises ``ValueError`` when ``text`` has another form."""
     match = _APPLICATION.match(text)
+    if _NEGATED.match(text):
+        raise ValueError(
+            f"{text!r} is negated, and atoms that must not hold are not supported: declare a predicate that says the "
+            "opposite, such as Outside for 'not In', and write that"
+        )
     if match is None:
         raise ValueError(f"expected Name(object, ...), found {text!r}")
     args = [part.strip() for part in match[2].split(",")]

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 from joblib import Parallel, delayed, parallel_config
 
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.extras import install_command
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -89,7 +90,7 @@ def _dask(jobs: int, stack: ExitStack) -> dict[str, Any]:
         import dask
         from distributed import Client
     except ImportError as error:
-        raise BackendError("--backend dask needs the extra 'dask': pip install 'pix2pred[dask]'") from error
+        raise BackendError(f"--backend dask needs the extra 'dask': {install_command('dask')}") from error
     address = dask.config.get("scheduler-address", None)
     local = {"n_workers": jobs, "threads_per_worker": 1, "dashboard_address": None}
     stack.enter_context(Client(address) if address else Client(**local))
@@ -101,7 +102,7 @@ def _ray(jobs: int, stack: ExitStack) -> dict[str, Any]:
         import ray
         from ray.util.joblib import register_ray
     except ImportError as error:
-        raise BackendError("--backend ray needs the extra 'ray': pip install 'pix2pred[ray]'") from error
+        raise BackendError(f"--backend ray needs the extra 'ray': {install_command('ray')}") from error
     if not ray.is_initialized():
         here = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}  # workers of this machine import what we can
         local: dict[str, Any] = {"num_cpus": jobs, "include_dashboard": False, "runtime_env": {"env_vars": here}}

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from itertools import groupby
 from pathlib import Path
 from typing import Literal
@@ -31,6 +32,7 @@ MAX_SIDE = 2048
 
 _JPEG = {"quality": 95, "subsampling": 0, "optimize": False}
 _TIME = "%Y:%m:%d %H:%M:%S"
+_OFFSET = re.compile(r"([-+])(\d{2}):?(\d{2})", re.ASCII)
 
 Order = Literal["auto", "time", "name"]
 """By the time in the photo, by file name, or by time where every photo of a demonstration has one."""
@@ -138,16 +140,32 @@ def _in_order(
         missing = [path for path in photos if path not in times]
         found += [Problem(path, None, "says no time it was taken; order by name instead") for path in missing]
     by_time = bool(times) and len(times) == len(photos)
+    zoned = all(time.offset is not None for time in times.values())  # else the clocks of the cameras are compared
     note = "in the order of the times they were taken" if by_time else "in the order of their names"
     if times and not by_time:
         note += f"; {len(photos) - len(times)} of {len(photos)} say no time they were taken"
     if not by_time:
         return PhotoSeries(name, folder, {c: tuple(paths) for c, paths in cameras.items()}, False, note)
-    ordered = {c: tuple(sorted(paths, key=lambda p: times[p])) for c, paths in cameras.items()}  # stable: then by name
+    moments = {path: time.moment(zoned=zoned) for path, time in times.items()}
+    ordered = {c: tuple(sorted(paths, key=moments.__getitem__)) for c, paths in cameras.items()}  # stable: then by name
     return PhotoSeries(name, folder, ordered, True, note)
 
 
-def taken_at(path: Path) -> tuple[datetime, str] | None:
+@dataclass(frozen=True, slots=True)
+class TakenAt:
+    """When a photo was taken, by the clock of its camera; ``offset`` is how far that was ahead of UTC, if it says."""
+
+    local: datetime
+    fraction: str
+    offset: timedelta | None
+
+    def moment(self, *, zoned: bool) -> tuple[datetime, str]:
+        """What photos are ordered by: the time in UTC when ``zoned``, else the camera's own."""
+        ahead = self.offset if zoned and self.offset is not None else timedelta()
+        return self.local - ahead, self.fraction
+
+
+def taken_at(path: Path) -> TakenAt | None:
     """When the photo was taken, to the fraction of a second its camera noted; None when it does not say."""
     try:
         with path.open("rb") as file:
@@ -157,9 +175,20 @@ def taken_at(path: Path) -> tuple[datetime, str] | None:
                 exif = opened.getexif()
                 noted = exif.get_ifd(IFD.Exif)
         text = noted.get(Base.DateTimeOriginal) or exif.get(Base.DateTime)
-        return datetime.strptime(str(text).strip("\0 "), _TIME), str(noted.get(Base.SubsecTimeOriginal, ""))
+        ahead = noted.get(Base.OffsetTimeOriginal) if noted.get(Base.DateTimeOriginal) else noted.get(Base.OffsetTime)
+        local = datetime.strptime(str(text).strip("\0 "), _TIME)
+        return TakenAt(local, str(noted.get(Base.SubsecTimeOriginal, "")), _offset(str(ahead or "")))
     except Exception:  # no time, or a damaged file: that is said when its pixels are read
         return None
+
+
+def _offset(text: str) -> timedelta | None:
+    """How far ``+02:00`` is ahead of UTC; None for anything else."""
+    match = _OFFSET.fullmatch(text.strip("\0 "))
+    if match is None:
+        return None
+    ahead = timedelta(hours=int(match[2]), minutes=int(match[3]))
+    return -ahead if match[1] == "-" else ahead
 
 
 def clean_copies(series: PhotoSeries, max_side: int, found: list[Problem]) -> Iterator[Mapping[str, Image]]:

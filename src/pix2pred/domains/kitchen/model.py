@@ -11,7 +11,7 @@ from typing import Any
 from pix2pred.domains.kitchen.vocabulary import OBJECT_OF
 from pix2pred.domains.physics import Camera, mujoco_library
 from pix2pred.domains.physics.camera import SIZE
-from pix2pred.system.extras import MissingExtraError
+from pix2pred.system.extras import MissingExtraError, install_command
 
 _SCENE = "envs/assets/kitchen_franka/kitchen_assets/kitchen_env_model.xml"
 
@@ -47,7 +47,7 @@ def _scene_file() -> Path:
     if found is None or found.origin is None:
         raise MissingExtraError(
             "the kitchen's model is in gymnasium-robotics, which is not installed; "
-            "install it with: pip install 'pix2pred[sim]'"
+            f"install it with: {install_command('sim')}"
         )
     return Path(found.origin).parent / _SCENE
 

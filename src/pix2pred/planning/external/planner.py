@@ -19,6 +19,7 @@ from typing import Any
 from pix2pred.planning.validate import is_valid
 from pix2pred.structs import AbstractState, Atom, GroundOperator, Object, Operator, PlanResult, PlanStatus, Type
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.extras import install_command
 
 ENGINES = {
     "aries": "up-aries",
@@ -71,8 +72,8 @@ class ExternalPlanner:
         package = ENGINES[self.engine]
         needed = ("unified_planning", package.replace("-", "_"))
         if any(find_spec(module) is None for module in needed):
-            install = "'pix2pred[planners]'" + ("" if package in IN_EXTRA else f" {package}")
-            raise ExternalPlannerError(f"planner {self.engine} is not installed; pip install {install}")
+            install = install_command("planners") + ("" if package in IN_EXTRA else f" {package}")
+            raise ExternalPlannerError(f"planner {self.engine} is not installed; {install}")
 
     def plan(
         self, operators: Sequence[Operator], objects: Iterable[Object], initial: AbstractState, goal: Iterable[Atom]

@@ -20,6 +20,7 @@ from pix2pred.predicates.prompt import atom_text
 from pix2pred.structs import Box, Demo
 from pix2pred.structs.formats.documents import Document
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.files import read_regular
 
 EVIDENCE = "labels/evidence.json"
 """Where a run keeps it."""
@@ -80,7 +81,7 @@ def dump_evidence(demos: Sequence[Demo], labelling: Labelling) -> str:
 def load_evidence(path: Path) -> Evidence:
     """Read evidence. Raises ``EvidenceError``."""
     try:
-        return Evidence.model_validate(json.loads(path.read_text(encoding="utf-8")))
+        return Evidence.model_validate(json.loads(read_regular(path)))
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
+from math import prod
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -21,6 +22,10 @@ from pix2pred.vlm import VLM, Finish, NoAnswerError, Purpose, Request, Review, T
 
 ANSWER_TOKENS = 8192
 """Budget of a proposal: a model lists hundreds of atoms."""
+MOST_GROUNDINGS = 2000
+"""Atoms of one state that a proposed predicate of many places may have: twenty questions of a hundred atoms."""
+PLACES_OF_ANY_SIZE = 2
+"""Predicates of so few places are taken however many objects there are; ``flow.max_atoms`` bounds them all together."""
 
 
 class ProposalSettings(BaseModel):
@@ -256,9 +261,16 @@ def judged(
         return Rejection(str(mention), f"mentions the excluded word {word}")
     if len(set(objects)) < len(objects):
         return Rejection(str(mention), "names one object twice")
+    if (count := _groundings(demo, objects)) > MOST_GROUNDINGS and len(objects) > PLACES_OF_ANY_SIZE:
+        return Rejection(str(mention), f"has {len(objects)} places, which makes {count:,} atoms of this demonstration")
     if atom not in accepted and settings.max_atoms and len(accepted) >= settings.max_atoms:
         return Rejection(str(mention), f"over the limit of {settings.max_atoms} atoms")
     return atom
+
+
+def _groundings(demo: Demo, objects: Sequence[Object]) -> int:
+    """How many atoms the predicate has over the objects of ``demo``, one object in two places included."""
+    return prod(sum(o.type.is_a(place.type) for o in demo.objects) for place in objects)
 
 
 def _excluded(name: str, args: Iterable[str], exclude: Iterable[str]) -> str | None:

@@ -23,6 +23,7 @@ from pix2pred.structs.formats.names import DeclaredNames, check_distinct
 from pix2pred.structs.formats.writing import operator_doc, predicate_doc, vocabulary_doc
 from pix2pred.structs.world_model import WorldModel
 from pix2pred.system.errors import Pix2predError
+from pix2pred.system.files import read_regular
 
 VERSION = 1
 
@@ -64,7 +65,7 @@ def dump_model(model: WorldModel) -> str:
 def load_model(path: Path) -> WorldModel:
     """Read a world model. Raises ``ModelFileError`` for anything else, unknown versions included."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(read_regular(path))
     except (OSError, ValueError, RecursionError) as error:
         raise ModelFileError(f"{path}: cannot be read as a world model ({error})") from error
     if not isinstance(data, dict) or data.get("format") != "pix2pred-world-model":

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pix2pred.structs import Image, PictureError
+from pix2pred.system.files import read_regular
 from pix2pred.vlm.answers.store import AnswerStore, read_entry
 from pix2pred.vlm.request import Answer, VLMError, key_of
 
@@ -40,7 +41,7 @@ def read_stored(store: AnswerStore, key: str) -> StoredEntry:
     """One entry. Raises ``VLMError`` for a damaged file."""
     path = store.path(key)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(read_regular(path))
         request = document["request"]
         entry = StoredEntry(key, str(request["model"]), str(document["purpose"]), request, read_entry(document))
         if not all(isinstance(p, str) or _is_picture(p) for p in request["parts"]):

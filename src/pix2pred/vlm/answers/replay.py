@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from pix2pred.system.files import read_regular
 from pix2pred.vlm.answers.store import AnswerStore
 from pix2pred.vlm.model_spec import Kind, ModelSpec, Setup
 from pix2pred.vlm.request import VLM, Answer, Request, VLMError
@@ -46,7 +47,7 @@ def stored_models(store: AnswerStore) -> list[str]:
     for key in store.all_keys():
         path = store.path(key)
         try:
-            models.add(str(json.loads(path.read_text(encoding="utf-8"))["request"]["model"]))
+            models.add(str(json.loads(read_regular(path))["request"]["model"]))
         except (ValueError, KeyError, TypeError) as error:
             raise VLMError(f"{path}: damaged answer ({error}); see 'pix2pred answers verify'") from error
     return sorted(models)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from pix2pred.structs import Image
-from pix2pred.system.files import check_writable, remove_abandoned, write_whole
+from pix2pred.system.files import check_writable, read_regular, remove_abandoned, write_whole
 from pix2pred.vlm.request import Answer, Finish, Request, Spent, Token, VLMError
 
 VERSION = 1
@@ -54,7 +54,7 @@ class AnswerStore:
         """The stored answer. Raises ``VLMError`` for a damaged file."""
         path = self.path(key)
         try:
-            return read_entry(json.loads(path.read_text(encoding="utf-8")))
+            return read_entry(json.loads(read_regular(path)))
         except FileNotFoundError:
             return None
         except OSError as error:

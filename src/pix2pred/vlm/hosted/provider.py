@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from pix2pred.system.extras import install_command
 from pix2pred.vlm.request import Request, VLMError
 
 if TYPE_CHECKING:
@@ -110,4 +111,4 @@ class HostedModel:
         try:
             return self.provider.client(self.model, self.url, key, http, left_out)
         except ImportError as error:
-            raise VLMError(f"{self.name}: needs pip install 'pix2pred[{self.provider.name}]' ({error.name})") from error
+            raise VLMError(f"{self.name}: needs {install_command(self.provider.name)} ({error.name})") from error
