@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import cast
+
+import pytest
 
 import coffee_truth
 from learning.random_tables import candidate, demo, given, table
 from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
+from pix2pred.learning.objective.objective import Score
+from pix2pred.learning.operators.learner import OperatorModel
+from pix2pred.learning.selection.explained_effort import ExplainedEffort, ExplainedEffortSettings
+from pix2pred.learning.selection.hill_climbing import HillClimbing
+from pix2pred.learning.selection.stopping_rule import ScoredSet
+from pix2pred.learning.strategies import demo_objective, operator_learner
 from pix2pred.structs import Action, LabelledDemo, Object, Operator, Skill, TruthTable, Type
 
 ROBUST = LearningSettings(operators="robust")
@@ -79,3 +88,31 @@ def test_two_predicates_that_pay_only_together_are_found_behind_one_that_turns_o
     assert [p.name for p in selection.dropped] == ["away"]
     turn = next(op for op in selection.operators if op.skill.name == "TurnMachineOnAndFill")
     assert any(str(a).startswith("contains_coffee") for a in turn.add)
+
+
+@pytest.mark.parametrize(("pairs", "expected"), [(0, {"away"}), (1, {"contains_coffee", "inside"})])
+def test_two_predicates_that_pay_only_together_are_found_behind_each_other(pairs: int, expected: set[str]) -> None:
+    """No candidate is taken on trial, so that after the first one none pays by itself."""
+    settings = ExplainedEffortSettings(trials=0, pairs=pairs)
+    learner, objective = operator_learner(ROBUST), demo_objective(ROBUST)
+    selection = HillClimbing(learner, objective, ExplainedEffort(settings), 2).fit(coffee())
+    assert {p.name for p in selection.selected} == expected
+
+
+@dataclass(frozen=True)
+class Doubting:
+    """A model of which the first predicate's labels are doubtful: one in ten is not accounted for."""
+
+    def doubt(self, candidate: int) -> float:
+        return 0.1 if candidate == 0 else 0.0
+
+
+@pytest.mark.parametrize(("j", "expected"), [(150.0, True), (199.0, True), (201.0, False)])
+def test_a_doubtful_predicate_is_exchanged_for_one_that_serves_nearly_as_well(j: float, expected: bool) -> None:
+    """Where the robot stands may tell in two demonstrations what its hand does, but not always, and save more nodes."""
+    model = cast(OperatorModel, Doubting())
+    old, new = (ScoredSet(p, (p,), (), Score(total, 0.0, True, (), 0)) for p, total in ((0, 100.0), (1, j)))
+    assert ExplainedEffort().doubtful(model, [0, 1]) == [0]
+    assert ExplainedEffort().replaces(model, new, old, 0) is expected
+    costly = replace(new, score=replace(new.score, charges=1000.0))
+    assert not ExplainedEffort().replaces(model, costly, old, 0)

@@ -59,6 +59,7 @@ class RobustOperators:
         self._base_of = {m.transition: c for c, cls in enumerate(self._base) for m in cls.members}
         self.data = data.relabelled(self._posterior.extensions)
         surprise = self._posterior.surprise
+        self._misbound = max((surprise[p] for p in noisy if p < data.initial), default=0.0)
         self._usual = float(np.median(list(surprise.values()))) if noisy else 0.0
         self.unreliable = frozenset(p for p in surprise if surprise[p] > settings.unreliable and p >= data.initial)
 
@@ -156,6 +157,8 @@ class RobustOperators:
     def _always(self, cls: TransitionClass, p: int, variables: tuple[int, ...]) -> bool:
         """Whether "true in every member" explains the labels as well as "true in a share of them" (BIC)."""
         belief = np.array([self._belief(p, m.transition, tuple(m.objects[v] for v in variables)) for m in cls.members])
+        if any(v not in cls.skill_args for v in variables):  # which object that is was told by labels as well
+            belief = np.clip(belief, self._misbound, 1 - self._misbound)
         n = len(belief)
         shares = (np.arange(n) + 0.5) / n
         mixed = np.log(shares[:, None] * belief + (1 - shares[:, None]) * (1 - belief)).sum(1).max()

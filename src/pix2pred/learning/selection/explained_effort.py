@@ -40,6 +40,11 @@ class ExplainedEffortSettings(BaseModel):
         description="candidates taken in advance while charges are left: two predicates may only together save a back-"
         "track (hand-empty and holding, competition workloads)",
     )  # fmt: skip
+    pairs: int = Field(
+        8, ge=0,
+        description="candidates behind which all others are tried when those taken in advance did not pay: in Coffee "
+        "only a full jug and an occupied machine together save the back-track that every demonstration is charged",
+    )  # fmt: skip
     left: float = Field(
         0.55, gt=0, lt=1,
         description="share of J that may be left when a candidate that saves no charges is taken all the same. Chosen "
@@ -109,6 +114,14 @@ class ExplainedEffort:
 
     def hopeful(self, reached: Score, trials: int) -> bool:
         return reached.charges >= self.settings.charges and trials <= self.settings.trials
+
+    def firsts(self, model: OperatorModel, reached: ScoredSet, singly: Sequence[ScoredSet]) -> Sequence[ScoredSet]:
+        if reached.score.charges < self.settings.charges:
+            return ()
+        better = [s for s in singly if s.score.total < reached.score.total]
+        return sorted(better, key=lambda s: self._weighed(s.score.total, model.doubt(s.predicate)))[
+            : self.settings.pairs
+        ]
 
     def doubtful(self, model: OperatorModel, chosen: Sequence[int]) -> Sequence[int]:
         return [p for p in chosen if model.doubt(p) > self.settings.doubtful]

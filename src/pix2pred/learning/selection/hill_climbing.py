@@ -76,9 +76,12 @@ class Climb:
         steps = [ClimbStep(None, score.total, score.demos, ())]
         ahead: list[ClimbStep] = []  # taken on trial: they count once a later one pays for them
         reached = current
+        singly: Sequence[ScoredSet] = ()
         end = ClimbEnd.GOOD_ENOUGH
         while not self._rule.finished(current.score):
             scored = self._expand(current, progress)
+            if not ahead:
+                singly = scored
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
                 end = ClimbEnd.NOTHING_BETTER if self._representatives else ClimbEnd.NO_CANDIDATES
@@ -91,8 +94,13 @@ class Climb:
                 steps += ahead
                 ahead = []
             elif not self._rule.hopeful(best.score, len(ahead)):
-                end = ClimbEnd.NOTHING_WORTHWHILE
-                break
+                pair = self._pair(reached, singly, progress)
+                if pair is None:
+                    end = ClimbEnd.NOTHING_WORTHWHILE
+                    break
+                steps += [step for _, step in pair]
+                ahead = []
+                best = reached = pair[-1][0]
             current = best
         if end is ClimbEnd.GOOD_ENOUGH and len(steps) == 1:
             end = ClimbEnd.GOOD_ENOUGH_AT_ONCE if self._representatives else ClimbEnd.NO_CANDIDATES
@@ -105,6 +113,36 @@ class Climb:
                     steps.append(step)
                     ever.append(reached.predicate)
         return self._finish(ever, self._without_superseded(reached), steps, end)
+
+    def _pair(
+        self, reached: ScoredSet, singly: Sequence[ScoredSet], progress: Progress
+    ) -> Sequence[tuple[ScoredSet, ClimbStep]] | None:
+        """Two candidates that pay only together, neither of which is the best by itself, if there are any.
+
+        Behind each promising first one all second ones are looked at; then the first is chosen again, given the second.
+        """
+        rule = self._rule
+        if not isinstance(rule, Reconsidering):
+            return None
+        seconds: list[ScoredSet] = []
+        for first in rule.firsts(self._model, reached, [s for s in singly if s.score.exact]):
+            seconds += self._worthwhile(reached, self._expand(first, progress))
+        if not seconds:
+            return None
+        p = min(seconds, key=lambda s: s.score.total).predicate
+        second = next(s for s in singly if s.predicate == p)
+        classes = self._model.partition((*range(self._data.initial), *second.chosen))
+        second = ScoredSet(p, second.chosen, classes, self._objective.score(second.chosen, classes))
+        scored = self._expand(second, progress)
+        first = rule.choose(self._model, self._worthwhile(reached, scored))
+        return (second, self._step(second, singly)), (first, self._step(first, scored))
+
+    def _worthwhile(self, reached: ScoredSet, scored: Sequence[ScoredSet]) -> list[ScoredSet]:
+        return [
+            s
+            for s in scored
+            if s.score.exact and self._rule.worthwhile(reached.score, s.score, self._model.doubt(s.predicate))
+        ]
 
     def _exchanged(
         self, rule: Reconsidering, reached: ScoredSet, doubtful: int, progress: Progress

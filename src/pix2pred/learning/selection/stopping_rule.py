@@ -66,7 +66,16 @@ class StoppingRule(Protocol):
 
 @runtime_checkable
 class Reconsidering(Protocol):
-    """What a rule may add: chosen predicates in whose place others are tried at the end."""
+    """What a rule may add: pairs that are tried when single candidates lead nowhere, and chosen predicates in whose
+    place others are tried at the end."""
+
+    def choose(self, model: OperatorModel, scored: Sequence[ScoredSet], *, trial: bool = False) -> ScoredSet:
+        """As every rule does."""
+        ...
+
+    def firsts(self, model: OperatorModel, reached: ScoredSet, singly: Sequence[ScoredSet]) -> Sequence[ScoredSet]:
+        """Those of the sets with one candidate more than ``reached`` behind which a second one is looked for."""
+        ...
 
     def doubtful(self, model: OperatorModel, chosen: Sequence[int]) -> Sequence[int]:
         """Those of the chosen predicates in whose place another one is tried at the end."""
