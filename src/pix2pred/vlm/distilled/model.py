@@ -53,7 +53,10 @@ class Bars:
 
 @dataclass(frozen=True, slots=True)
 class Taught:
-    """One word about objects of certain kinds."""
+    """One word about objects of certain kinds.
+
+    ``machine`` gives it a score, which ``calibration`` makes a probability.
+    """
 
     machine: WordMachine
     calibration: Calibration
@@ -76,7 +79,11 @@ class KindsModel:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What one picture says about an atom: the score of its word, and how strange its objects look there."""
+    """What one picture says about an atom.
+
+    ``score`` is that of its word, about -1 for false and 1 for true; ``strange`` tells how unlike the training its
+    objects look there.
+    """
 
     score: float
     strange: float
