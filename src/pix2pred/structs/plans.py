@@ -66,6 +66,8 @@ class WhyAsked(StrEnum):
 
     IN_DOUBT = "the plan rests on it and its value is in doubt"
     SURPRISE = "it is not as the plan expects it"
+    """The last skill should have made it otherwise, so that either
+    the skill failed or the label is wrong."""
     NO_PLAN = "there would be a plan if it were otherwise"
 
 

@@ -26,6 +26,8 @@ class Why(StrEnum):
     READ = "read"
     UNSURE = "not sure"
     STRANGE = "looks like nothing seen before"
+    """The objects are further from all that was seen in training
+    than the bar allows, whatever the score."""
     BLANK = "nothing to see in its box"
     UNSEEN = "no picture shows it"
     UNTAUGHT = "was not taught"
