@@ -33,6 +33,8 @@ class Cause(StrEnum):
     WRONG_LABEL = "wrong label"
     WRONG_TRAINING_LABEL = "wrong label in demonstrations"
     WRONG_MODEL = "wrong model"
+    """With true labels, in demonstrations and in the task, there is
+    no plan that works either."""
     BUDGET = "budget"
     UNDETERMINED = "undetermined"
 

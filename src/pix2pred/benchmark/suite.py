@@ -75,7 +75,8 @@ class Varied(StrEnum):
     ITEMS = "items"
     """Movable things in the test scenes."""
     POOL = "pool"
-    """How many visual candidates are left, drawn at random."""
+    """How many visual candidates are left, drawn at random by the
+    seed of the cell."""
     LABEL_NOISE = "label-noise"
     """The share of labels turned round."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from json import dumps
 from pathlib import Path
 from typing import Annotated
@@ -19,10 +20,18 @@ from pix2pred.system.progress import Stage
 
 imports = App(name="import")
 
-Out = Annotated[Path, Parameter(name="--out", help="Project folder: demonstrations are added, or a project is begun.")]
-MaxSide = Annotated[int, Parameter(help="Longest side of pictures in pixels; longer ones shrink.", validator=POSITIVE)]
-Overwrite = Annotated[bool, Parameter(negative=(), help="Replace demonstrations of the same names.")]
-AsJson = Annotated[bool, Parameter(negative=(), help="Print one JSON object on the last line.")]
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Into:
+    """Options of every import: where it goes, and how it is told."""
+
+    out: Annotated[Path, Parameter(help="Project folder: demonstrations are added, or a project is begun.")]
+    max_side: Annotated[
+        int, Parameter(help="Longest side of pictures in pixels; longer ones shrink.", validator=POSITIVE)
+    ] = MAX_SIDE
+    overwrite: Annotated[bool, Parameter(negative=(), help="Replace demonstrations of the same names.")] = False
+    json: Annotated[bool, Parameter(negative=(), help="Print one JSON object on the last line.")] = False
 
 
 @imports.command
@@ -34,13 +43,10 @@ def frames(
         Path | None,
         Parameter(name=("--actions", "--sidecar"), help="Actions: .txt, one a line; .csv or .yaml with positions too."),
     ] = None,
-    out: Out,
+    into: Into,
     order: Annotated[
         Order, Parameter(help="Order of the photos: time taken, name; auto: time if all say it.")
     ] = "auto",
-    max_side: MaxSide = MAX_SIDE,
-    overwrite: Overwrite = False,
-    json: AsJson = False,
 ) -> int:
     """Bring in folders of photos or frames; without a list of actions these are left to fill in.
 
@@ -50,7 +56,7 @@ def frames(
     - `pix2pred import frames photos/tea-1 --actions tea-1.txt --out tea`
     """
     segments = read_sidecar(actions) if actions else ()
-    return _bring(drafts_of_frames(source, segments, order=order, max_side=max_side), out, overwrite, as_json=json)
+    return _bring(drafts_of_frames(source, segments, order=order, max_side=into.max_side), into)
 
 
 @imports.command
@@ -61,10 +67,7 @@ def video(
     actions: Annotated[
         Path, Parameter(name=("--actions", "--sidecar"), help="Table of times: .csv (seconds, action) or .yaml.")
     ],
-    out: Out,
-    max_side: MaxSide = MAX_SIDE,
-    overwrite: Overwrite = False,
-    json: AsJson = False,
+    into: Into,
 ) -> int:
     """Bring in a video, or a folder of videos, at the times at which actions are done (extra video).
 
@@ -72,7 +75,7 @@ def video(
 
     - `pix2pred import video tea.mp4 --actions tea.csv --out tea`
     """
-    return _bring(drafts_of_videos(source, read_sidecar(actions), max_side=max_side), out, overwrite, as_json=json)
+    return _bring(drafts_of_videos(source, read_sidecar(actions), max_side=into.max_side), into)
 
 
 @imports.command
@@ -87,10 +90,7 @@ def lerobot(
             help="Which steps each episode has: .yaml or .csv [default: the dataset's own subtasks].",
         ),
     ] = None,
-    out: Out,
-    max_side: MaxSide = MAX_SIDE,
-    overwrite: Overwrite = False,
-    json: AsJson = False,
+    into: Into,
 ) -> int:
     """Bring in episodes of a LeRobot dataset of format v2 or v3 that lies on disk (extra lerobot).
 
@@ -99,7 +99,7 @@ def lerobot(
     - `pix2pred import lerobot datasets/pick-cubes --sidecar steps.yaml --out cubes`
     """
     segments = read_sidecar(actions) if actions else ()
-    return _bring(drafts_of_lerobot(source, segments, max_side=max_side), out, overwrite, as_json=json)
+    return _bring(drafts_of_lerobot(source, segments, max_side=into.max_side), into)
 
 
 @imports.command
@@ -109,7 +109,7 @@ def bits(
     *,
     out: Annotated[Path, Parameter(name="--out", help="Traces file to write: .json, for select.")],
     overwrite: Annotated[bool, Parameter(negative=(), help="Replace the file.")] = False,
-    json: AsJson = False,
+    json: Annotated[bool, Parameter(negative=(), help="Print one JSON object on the last line.")] = False,
 ) -> int:
     """Bring in states as bits and actions as numbers, in turn, one a line; an empty line begins another trace.
 
@@ -130,8 +130,9 @@ def bits(
     return 0
 
 
-def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: bool) -> int:
+def _bring(drafts: Sequence[Draft], into: Into) -> int:
     """Write the drafts, and say what is still to be done."""
+    project = into.out
     begun = (project / DOMAIN).exists()
     domain = None if begun else domain_text(project.resolve().name, Declarations())
     total = sum(len(draft.actions) + 1 for draft in drafts)
@@ -143,9 +144,9 @@ def _bring(drafts: Sequence[Draft], project: Path, overwrite: bool, *, as_json: 
             done += 1
             progress(Stage.IMPORT, done, total, name)
 
-        write_drafts(project, drafts, domain, overwrite=overwrite, tell=tell)
+        write_drafts(project, drafts, domain, overwrite=into.overwrite, tell=tell)
     problems = inspect_project(project).problems
-    if as_json:
+    if into.json:
         names = {draft.name: len(draft.actions) + 1 for draft in drafts}
         notes = {draft.name: list(draft.notes) for draft in drafts}
         print_json({"folder": str(project), "demonstrations": names, "notes": notes, "problems": len(problems)})

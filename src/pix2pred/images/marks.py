@@ -38,7 +38,10 @@ _RIGHT_BESIDE = 6
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """The place of a name, and the line that leads from it to its object where one is needed."""
+    """Where the name of an object is written.
+
+    ``spot`` is covered by the text; ``line`` leads from it to the object where one is needed. In pixels.
+    """
 
     name: str
     spot: Box

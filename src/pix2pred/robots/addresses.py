@@ -15,7 +15,10 @@ class AddressError(Pix2predError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class SimulatedEpisode:
-    """The test task ``index`` of a domain's family, with neither network nor walking."""
+    """A simulated episode in place of a robot, with neither network nor walking.
+
+    It is the test task numbered ``index`` of the domain's family, made from ``seed``.
+    """
 
     domain: str
     family: str

@@ -18,23 +18,17 @@ _CASCADE = "cascade:"
 
 def kept(spec: str, run: Path) -> str:
     """``spec`` as ``config.yaml`` keeps it."""
-    if spec.startswith(_CASCADE):
-        return _cascade(spec, lambda part: kept(part, run))
-    kind, folder = _parts(spec)
-    if not folder or Path(folder).expanduser().is_absolute():
-        return spec
-    return f"{kind}:{Path(os.path.relpath(Path(folder).resolve(), run.resolve())).as_posix()}"
+    return _moved(spec, lambda folder: Path(os.path.relpath(Path(folder).resolve(), run.resolve())).as_posix())
 
 
 def reached(spec: str, run: Path) -> str:
     """``spec``, which ``config.yaml`` of ``run`` kept, as it leads to the folder from here."""
-    if spec.startswith(_CASCADE):
-        return _cascade(spec, lambda part: reached(part, run))
-    kind, folder = _parts(spec)
-    if not folder or Path(folder).expanduser().is_absolute():
-        return spec
-    from_run = run / folder
-    return f"{kind}:{folder if Path(folder).exists() and not from_run.exists() else from_run}"
+
+    def from_here(folder: str) -> str:
+        from_run = run / folder
+        return folder if Path(folder).exists() and not from_run.exists() else str(from_run)
+
+    return _moved(spec, from_here)
 
 
 def same(one: str, other: str, run: Path) -> bool:
@@ -57,10 +51,13 @@ def stores_of_pictures(run: Path, config: Mapping[str, Any]) -> tuple[Path, ...]
     return (*([Path(answers)] if answers else []), *([replayed] if replayed else []), run)
 
 
-def _cascade(spec: str, moved: Callable[[str], str]) -> str:
-    """A cascade whose parts were ``moved``, its reader written as one."""
-    reader, _, model = spec.removeprefix(_CASCADE).partition(",")
-    return f"{_CASCADE}{moved(f'reader:{reader}').removeprefix('reader:')},{moved(model)}"
+def _moved(spec: str, move: Callable[[str], str]) -> str:
+    """``spec`` with every folder that is named relative to another one as ``move`` gives it."""
+    if spec.startswith(_CASCADE):
+        reader, _, model = spec.removeprefix(_CASCADE).partition(",")
+        return f"{_CASCADE}{_moved(f'reader:{reader}', move).removeprefix('reader:')},{_moved(model, move)}"
+    kind, folder = _parts(spec)
+    return spec if not folder or Path(folder).expanduser().is_absolute() else f"{kind}:{move(folder)}"
 
 
 def _resolved(spec: str, run: Path) -> tuple[str, Path | None]:

@@ -34,7 +34,10 @@ _SHOWN = 5
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A key of two configurations, dotted, and its values."""
+    """What one of two configurations has that the other has not.
+
+    ``key`` is dotted, as ``settings.labels.marks``; the values are ``then`` and ``now``, ``None`` where it is missing.
+    """
 
     key: str
     then: Any

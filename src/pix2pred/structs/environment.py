@@ -23,6 +23,8 @@ class StepStatus(StrEnum):
     DONE = "done"
     STUCK = "skill failure"
     HORIZON = "horizon"
+    """The skill was not begun or not ended: what an episode may
+    take was used up."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,16 +12,18 @@ from pix2pred.structs.states import AbstractState
 
 
 class PlanStatus(StrEnum):
-    """How a search ended. Not found and not findable are different things.
-
-    NOT_FOUND (an incomplete search came to its end) and TIMEOUT occur with external planners alone.
-    """
+    """How a search ended. Not found and not findable are different things."""
 
     SOLVED = "solved"
     UNSOLVABLE = "unsolvable"
     BUDGET = "budget"
+    """The search used up what it may create: there may be a plan
+    all the same."""
     NOT_FOUND = "not found"
+    """An incomplete search came to its end; external planners
+    alone."""
     TIMEOUT = "timeout"
+    """The clock stopped it; external planners alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +66,8 @@ class WhyAsked(StrEnum):
 
     IN_DOUBT = "the plan rests on it and its value is in doubt"
     SURPRISE = "it is not as the plan expects it"
+    """The last skill should have made it otherwise, so that either
+    the skill failed or the label is wrong."""
     NO_PLAN = "there would be a plan if it were otherwise"
 
 

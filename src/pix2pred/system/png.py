@@ -36,7 +36,10 @@ _BASE = 65521
 
 @dataclass(frozen=True, slots=True)
 class Strip:
-    """Packed rows of a picture: whole deflate blocks, and the Adler-32 sum of the ``length`` bytes in them."""
+    """Packed rows of a picture of ``width`` x ``height`` pixels.
+
+    ``blocks`` are whole deflate blocks, ``adler`` is the Adler-32 sum of the ``length`` bytes in them.
+    """
 
     width: int
     height: int

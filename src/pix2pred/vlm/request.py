@@ -28,7 +28,11 @@ class Purpose(StrEnum):
     DOUBLE_CHECK = "double-check"
     ASK_AGAIN = "ask-again"
     PLAN = "plan"
+    """Skills to execute, of baselines that plan with the model
+    alone."""
     CODE = "code"
+    """Classifiers in Python, of the baseline that has the model
+    write predicates over features."""
     DOCTOR = "doctor"
     DETECT = "detect"
     """Boxes around described objects, for a robot that has no detector of its own."""

@@ -58,7 +58,11 @@ class TaskKinds:
 
 @dataclass(frozen=True, slots=True)
 class BurgerFamily:
-    """A task family; ``index`` is its place in the file and enters its seeds."""
+    """A task family as the file describes it.
+
+    ``index`` is its place there and enters its seeds; ``tests`` are kinds of test task by their variant, ``settings``
+    the published settings of learning.
+    """
 
     name: str
     index: int

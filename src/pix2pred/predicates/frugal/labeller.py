@@ -32,11 +32,18 @@ NEGATED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Labe
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Successive states that one question shows; ``start`` numbers the first, ``actions`` lie between them."""
+    """Successive states that one question shows; ``start`` numbers the first, ``actions`` lie between them.
+
+    ``objects`` are those of the scene, ``known`` the labels of the first state where it has been labelled, and
+    ``about`` names the states for people.
+    """
 
     states: tuple[State, ...]
-    actions: tuple[Action, ...] = ()
-    start: int = 0
+    actions: tuple[Action, ...]
+    start: int
+    objects: Sequence[Object]
+    about: str
+    known: Mapping[Atom, Label] = field(default_factory=dict)
 
     @property
     def numbers(self) -> tuple[int, ...]:
@@ -56,14 +63,13 @@ class FrugalLabeller:
         asking = replace(self, vlm=Telling(self.vlm, demo.name))
         labels: list[StateLabels] = []
         for stretch in self._stretches(demo):
-            about = f"{demo.name}, states {stretch.numbers[0]} to {stretch.numbers[-1]}"
-            known = labels[-1].values if labels else {}
+            stretch = replace(stretch, known=labels[-1].values if labels else {})
             # a stretch begins with the last state of the one before, whose labels are there already
-            labels += asking._labels(stretch, demo.objects, atoms, known, about)[1 if labels else 0 :]
+            labels += asking._labels(stretch, atoms)[1 if labels else 0 :]
         return tuple(labels)
 
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
-        return self._by_several_words(Stretch((state,)), objects, atoms, {}, about)
+        return self._by_several_words(Stretch((state,), (), 0, objects, about), atoms)
 
     def next(
         self,
@@ -74,23 +80,18 @@ class FrugalLabeller:
         double_check: bool,
         about: str = "",
     ) -> StateLabels:
-        stretch = Stretch((step.before, step.after), (step.action,), step.t - 1)
-        return self._by_several_words(stretch, objects, atoms, step.previous.values, about)
+        states, known = (step.before, step.after), step.previous.values
+        return self._by_several_words(Stretch(states, (step.action,), step.t - 1, objects, about, known), atoms)
 
     def _stretches(self, demo: Demo) -> Iterator[Stretch]:
         size = self.settings.states_per_query
         for start in range(0, max(1, len(demo.states) - 1), size - 1):
             end = min(start + size, len(demo.states))
-            yield Stretch(tuple(demo.states[start:end]), tuple(demo.actions[start : end - 1]), start)
+            about = f"{demo.name}, states {start} to {end - 1}"
+            states, actions = tuple(demo.states[start:end]), tuple(demo.actions[start : end - 1])
+            yield Stretch(states, actions, start, demo.objects, about)
 
-    def _by_several_words(
-        self,
-        stretch: Stretch,
-        objects: Sequence[Object],
-        atoms: Sequence[Atom],
-        known: Mapping[Atom, Label],
-        about: str,
-    ) -> StateLabels:
+    def _by_several_words(self, stretch: Stretch, atoms: Sequence[Atom]) -> StateLabels:
         """Labels of the last state of ``stretch``, each the majority over the words for its meaning.
 
         A plan rests on one look, and a model that reads one word wrongly rarely reads its synonyms and antonyms
@@ -98,33 +99,26 @@ class FrugalLabeller:
         """
         words = {atom: _words(atom, self.settings.words_per_meaning) for atom in atoms}
         asked = [form for forms in words.values() for form, _ in forms]
-        said = self._labels(stretch, objects, asked, known, about)[-1]
+        said = self._labels(stretch, asked)[-1]
         values = {atom: _majority([_turned(said.values[f], n) for f, n in forms]) for atom, forms in words.items()}
         texts = {atom_text(atom) for atom in atoms}
         gaps = [replace(gap, atoms=tuple(t for t in gap.atoms if t in texts)) for gap in said.gaps]
         sure = {atom: said.confidence[atom] for atom in atoms if atom in said.confidence}
         return replace(said, values=values, confidence=sure, gaps=tuple(g for g in gaps if g.atoms))
 
-    def _labels(
-        self,
-        stretch: Stretch,
-        objects: Sequence[Object],
-        atoms: Sequence[Atom],
-        known: Mapping[Atom, Label],
-        about: str,
-    ) -> list[StateLabels]:
-        """Labels of every state of ``stretch``; ``known`` are those of its first state, where it has been labelled."""
-        pictures = self._pictures(stretch, objects)
+    def _labels(self, stretch: Stretch, atoms: Sequence[Atom]) -> list[StateLabels]:
+        """Labels of every state of ``stretch``."""
+        pictures = self._pictures(stretch)
 
         def question(part: Sequence[Atom]) -> tuple[Part, ...]:
-            return (self._text(stretch, objects, part, known, pictures), *pictures)
+            return (self._text(stretch, part, pictures), *pictures)
 
         form = HistoryFormat(stretch.numbers)
-        asker = Asker(self.vlm, self.settings, form, self.together, Purpose.HISTORY, question, about)
+        asker = Asker(self.vlm, self.settings, form, self.together, Purpose.HISTORY, question, stretch.about)
         asked = Asked[History]()
         for one in self.together.map(asker.ask, in_batches(atoms, self.settings.max_atoms_per_query)):
             asked.merge(one)
-        carried = self.settings.carried(known)
+        carried = self.settings.carried(stretch.known)
         without = {a: (carried.get(a, Label.FALSE),) * len(stretch.states) for a in atoms}
         histories = without | asked.values
         counts = asked.counts + Counter({Occurrence.MISSING: len(atoms) - len(asked.values)})
@@ -137,16 +131,10 @@ class FrugalLabeller:
         labels[-1] = replace(labels[-1], text=text, counts=counts, unusable=useless, gaps=asker.gaps(asked))
         return labels
 
-    def _text(
-        self,
-        stretch: Stretch,
-        objects: Sequence[Object],
-        atoms: Sequence[Atom],
-        known: Mapping[Atom, Label],
-        pictures: Sequence[View],
-    ) -> str:
+    def _text(self, stretch: Stretch, atoms: Sequence[Atom], pictures: Sequence[View]) -> str:
         """The question. What is the same for all demonstrations stands first, so that providers' prompt caches hit."""
         crops = sum(view.crop is not None for view in pictures)
+        known = stretch.known
         before = value_lines({atom_text(a): known[a] for a in sorted(atoms, key=atom_text) if a in known})
         actions = [f"{t}. {action_text(a)}" for t, a in enumerate(stretch.actions, start=stretch.start)]
         number = f"number {stretch.start} leads from state {stretch.start} to state {stretch.start + 1}, and so on"
@@ -155,8 +143,8 @@ class FrugalLabeller:
             meanings=meanings_of(atoms),
             skills=skill_lines(a.skill for a in stretch.actions) or NOTHING,
             hints="".join(f"{hint}\n" for hint in self.settings.hints),
-            objects=object_lines(objects),
-            kinds=kind_lines(objects),
+            objects=object_lines(stretch.objects),
+            kinds=kind_lines(stretch.objects),
             actions=f"({number})\n" + "\n".join(actions) if actions else NOTHING,
             crops=f"{crops} of the pictures show only the part of the scene a skill was about.\n" if crops else "",
             previous=f"Values in state {stretch.start}, as answered earlier:\n<previous>\n{before}\n</previous>\n"
@@ -165,10 +153,10 @@ class FrugalLabeller:
             atoms="\n".join(dict.fromkeys(map(atom_text, atoms))),
         )
 
-    def _pictures(self, stretch: Stretch, objects: Sequence[Object]) -> list[View]:
+    def _pictures(self, stretch: Stretch) -> list[View]:
         settings, shown = self.settings, list[View]()
         for i, (t, state) in enumerate(zip(stretch.numbers, stretch.states, strict=True)):
-            whole = views(state, t, objects, marks=settings.marks, longest_side=settings.longest_side)
+            whole = views(state, t, stretch.objects, marks=settings.marks, longest_side=settings.longest_side)
             shown += whole
             if i and settings.crops:
                 shown += self._crops(stretch.states[i - 1], state, stretch.actions[i - 1], whole)

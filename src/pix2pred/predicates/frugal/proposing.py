@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import chain
 
 from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, read_definition, skill_lines
-from pix2pred.predicates.prompt import action_text, fill, kind_lines, object_lines, views
+from pix2pred.predicates.prompt import action_text, fill, kind_lines, object_lines
 from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.predicates.proposing.propose import (
     ANSWER_TOKENS,
@@ -15,11 +14,11 @@ from pix2pred.predicates.proposing.propose import (
     ProposalSettings,
     ProposedAtom,
     Rejection,
+    about_demo,
     answered_proposal,
     judged,
     limit_text,
     refuse_empty,
-    review,
 )
 from pix2pred.structs import Candidate, Demo, FromVLM, Predicate, Skill, Type
 from pix2pred.system.progress import Progress, Stage, silent
@@ -95,17 +94,9 @@ def words_request(
         kinds=kind_lines(demo.objects),
         actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
     )
-    size, marks = settings.longest_side, settings.marks
-    shown = (views(s, t, demo.objects, marks=marks, longest_side=size) for t, s in enumerate(demo.states))
-    return Request(
-        Purpose.DEFINE,
-        (text, *chain.from_iterable(shown)),
-        budget,
-        attempt=attempt,
-        about=demo.name,
-        demo=demo.name,
-        review=lambda answer: review(read_words(demo, answer, settings)),
-    )
+    times = range(len(demo.states))
+    request = about_demo(Purpose.DEFINE, text, demo, times, settings, lambda a: read_words(demo, a, settings))
+    return replace(request, attempt=attempt, max_tokens=budget)
 
 
 def read_words(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:

@@ -19,6 +19,7 @@ from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm import VLM, Finish, NoAnswerError, Purpose, Request, Review, Together
+from pix2pred.vlm.request import Part
 
 ANSWER_TOKENS = 8192
 """Budget of a proposal: a model lists hundreds of atoms."""
@@ -207,17 +208,24 @@ def proposal_request(
         actions="\n".join(f"{t}. {action_text(demo.actions[t])}" for t in times[:-1]),
         limit=limit_text(settings),
     )
+    request = about_demo(Purpose.PROPOSE, text, demo, times, settings, lambda a: read_proposal(demo, a, settings))
+    return replace(request, attempt=attempt, max_tokens=budget)
+
+
+def about_demo(
+    purpose: Purpose,
+    text: str,
+    demo: Demo,
+    times: Iterable[int],
+    settings: ProposalSettings,
+    read: Callable[[str], Proposal],
+) -> Request:
+    """A question with the pictures of the states ``times`` of a demonstration; ``read`` reads its answer."""
     size, marks = settings.longest_side, settings.marks
     shown = (views(demo.states[t], t, demo.objects, marks=marks, longest_side=size) for t in times)
-    return Request(
-        Purpose.PROPOSE,
-        (text, *chain.from_iterable(shown)),
-        budget,
-        attempt=attempt,
-        about=demo.name,
-        demo=demo.name,
-        review=lambda answer: review(read_proposal(demo, answer, settings)),
-    )
+    parts: tuple[Part, ...] = (text, *chain.from_iterable(shown))
+    name = demo.name
+    return Request(purpose, parts, ANSWER_TOKENS, about=name, demo=name, review=lambda answer: review(read(answer)))
 
 
 def limit_text(settings: ProposalSettings) -> str:

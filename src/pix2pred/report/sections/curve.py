@@ -13,7 +13,10 @@ LEFT, RIGHT, TOP, BOTTOM = 64.0, 150.0, 18.0, 40.0
 
 @dataclass(frozen=True, slots=True)
 class CurvePoint:
-    """A set of predicates and its J; ``bound`` when J is at least that."""
+    """A set of predicates at its place in the drawing, in pixels.
+
+    ``text`` says its J, ``label`` what was added; ``bound`` where J is at least that and was not computed to the end.
+    """
 
     x: float
     y: float

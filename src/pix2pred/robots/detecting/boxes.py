@@ -34,7 +34,10 @@ class Order(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Convention:
-    """How a model writes boxes."""
+    """How a model writes boxes.
+
+    ``scale`` is the unit of the numbers; ``order`` tells which of a corner's numbers comes first.
+    """
 
     scale: Scale
     order: Order

@@ -12,7 +12,10 @@ from pix2pred.vlm.request import VLM, Answer, NoAnswerError, Request
 
 @dataclass(slots=True)
 class Count:
-    """Queries of one kind. Tokens, dollars and seconds are those of answers asked now, not of stored ones."""
+    """Queries of one kind: how many, and what they took.
+
+    Tokens, dollars and seconds are those of answers that were asked for now; stored ones cost nothing again.
+    """
 
     queries: int = 0
     from_store: int = 0

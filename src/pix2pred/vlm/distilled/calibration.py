@@ -29,7 +29,11 @@ _LEAST = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """The curve from a score to the probability that an atom is true; ``most`` is the highest ever claimed."""
+    """The curve from a score to the probability that an atom is true.
+
+    It is a sigmoid of ``slope`` around ``middle``; ``error`` is the teacher's rate of wrong labels, and ``most`` the
+    highest probability that is ever claimed.
+    """
 
     slope: float
     middle: float

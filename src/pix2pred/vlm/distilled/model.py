@@ -26,6 +26,8 @@ class Why(StrEnum):
     READ = "read"
     UNSURE = "not sure"
     STRANGE = "looks like nothing seen before"
+    """The objects are further from all that was seen in training
+    than the bar allows, whatever the score."""
     BLANK = "nothing to see in its box"
     UNSEEN = "no picture shows it"
     UNTAUGHT = "was not taught"
@@ -53,7 +55,10 @@ class Bars:
 
 @dataclass(frozen=True, slots=True)
 class Taught:
-    """One word about objects of certain kinds."""
+    """One word about objects of certain kinds.
+
+    ``machine`` gives it a score, which ``calibration`` makes a probability.
+    """
 
     machine: WordMachine
     calibration: Calibration
@@ -76,7 +81,11 @@ class KindsModel:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What one picture says about an atom: the score of its word, and how strange its objects look there."""
+    """What one picture says about an atom.
+
+    ``score`` is that of its word, about -1 for false and 1 for true; ``strange`` tells how unlike the training its
+    objects look there.
+    """
 
     score: float
     strange: float

@@ -39,7 +39,11 @@ LENGTH = sum(PARTS.values())
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of a picture that keeps what it shows: a part of the box's side, and of brightness and contrast."""
+    """A change of a picture that keeps what it shows.
+
+    ``dx`` and ``dy`` shift the box by a share of its side, ``scale`` makes it larger; ``brightness`` is added to all
+    values from 0 to 1, and ``contrast`` stretches them.
+    """
 
     dx: float = 0.0
     dy: float = 0.0

@@ -19,7 +19,10 @@ _LEAST_ERROR = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """A sure answer that was checked: what chance of a difference was to be expected, and whether there was one."""
+    """A sure answer about ``atom`` that the other model was asked about as well.
+
+    ``expected`` is the probability that the two differ, as was foreseen; ``differed`` says whether they did.
+    """
 
     atom: str
     expected: float

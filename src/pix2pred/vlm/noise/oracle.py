@@ -31,7 +31,10 @@ TruthInView = Callable[[View, str, Sequence[str]], bool | None]
 
 @dataclass(frozen=True, slots=True)
 class NoiseRates:
-    """Probabilities, per atom and state, of a flipped, unknown, missing or malformed value."""
+    """How often answers are wrong: probabilities per atom and state.
+
+    A value is turned round, said to be unknown, left out, or written in a way that nobody reads.
+    """
 
     flip: float = 0.0
     unknown: float = 0.0

@@ -63,7 +63,10 @@ def no_machine(world: World, name: str) -> World:
 
 @dataclass(frozen=True, slots=True)
 class Wielded:
-    """A bin in the hand: how it is seen from the hand."""
+    """A bin in the hand.
+
+    ``seen_from_hand`` is its pose in the hand's frame, in metres.
+    """
 
     name: str
     seen_from_hand: Pose

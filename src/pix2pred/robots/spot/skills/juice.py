@@ -48,7 +48,10 @@ POUR_HEIGHT = 0.20
 
 @dataclass(frozen=True, slots=True)
 class Juicer:
-    """Where a juicer's foot has its middle, and the height of the table it stands on."""
+    """Where a juicer stands, in metres from the robot's home.
+
+    ``x`` and ``y`` are the middle of its foot, ``table`` is the height of the table under it.
+    """
 
     x: float
     y: float

@@ -43,7 +43,10 @@ class WordResult:
 
 @dataclass(frozen=True, slots=True)
 class Untaught:
-    """A word that was left out, and why, in words for people."""
+    """A word about objects of ``kinds`` that could not be taught.
+
+    ``reason`` says why, in words for people.
+    """
 
     word: str
     kinds: Kinds
@@ -52,7 +55,10 @@ class Untaught:
 
 @dataclass(frozen=True, slots=True)
 class Fitted:
-    """A reader, how each of its words did, and the words that could not be taught."""
+    """What fitting gives: a reader, as a ``model`` without its files.
+
+    ``results`` say how each word did on what was left out; ``untaught`` are the words it has no answer to.
+    """
 
     model: DistilledModel
     results: tuple[WordResult, ...]

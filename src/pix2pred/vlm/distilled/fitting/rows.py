@@ -25,7 +25,10 @@ _NOTHING: Array = np.zeros(0, dtype=np.float32)
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Objects in one picture of a look."""
+    """Objects in one picture of a look.
+
+    ``look`` and ``picture`` are numbers.
+    """
 
     look: int
     picture: int
