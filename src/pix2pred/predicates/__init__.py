@@ -10,13 +10,13 @@ from pix2pred.predicates.labelling.labeller import Labeller
 from pix2pred.predicates.labelling.settings import LabelProtocol, LabelSettings
 from pix2pred.predicates.labelling.state_labels import StateLabeller, StateLabels, StepToLabel, UnusableAnswersError
 from pix2pred.predicates.labelling.table import Labelling, goal_warnings, ground_atoms, label_demos
+from pix2pred.predicates.proposing.lift import lift
 from pix2pred.predicates.proposing.propose import (
     EmptyProposalError,
     Proposal,
     ProposalSettings,
     ProposedAtom,
     Rejection,
-    lift,
     propose,
 )
 from pix2pred.predicates.protocols import labeller_for, proposed_pool

@@ -9,7 +9,8 @@ from pix2pred.predicates.frugal.proposing import lift_words, propose_words
 from pix2pred.predicates.labelling.labeller import Labeller
 from pix2pred.predicates.labelling.settings import LabelProtocol, LabelSettings
 from pix2pred.predicates.labelling.state_labels import StateLabeller
-from pix2pred.predicates.proposing.propose import Proposal, ProposalSettings, lift, propose
+from pix2pred.predicates.proposing.lift import lift
+from pix2pred.predicates.proposing.propose import Proposal, ProposalSettings, propose
 from pix2pred.structs import Candidate, Demo, Predicate
 from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import VLM, Together

@@ -1,4 +1,4 @@
-"""Asking a model for predicates and lifting what it proposes into a pool (method 2)."""
+"""Asking a model for predicates (method 2)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pix2pred.predicates.frugal.definitions import Definition
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
 from pix2pred.predicates.proposing.parse_atoms import Mention, clean, mentions
-from pix2pred.structs import Candidate, Demo, FromVLM, Object, Predicate, Type
+from pix2pred.structs import Demo, Object
 from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.progress import Progress, Stage, silent
@@ -285,24 +285,3 @@ def _excluded(name: str, args: Iterable[str], exclude: Iterable[str]) -> str | N
     words = {part for text in (name, *args) for part in re.split(r"_|(?<=[a-z])(?=[A-Z])|\d+", text) if part}
     mentioned = {word.lower() for word in words}
     return next((word for word in exclude if word.lower() in mentioned), None)
-
-
-def lift(proposals: Iterable[Proposal], taken: Iterable[str] = ()) -> tuple[Candidate, ...]:
-    """The pool: one predicate per distinct (name, object types), numbered per name (method 2.4, 2.5).
-
-    ``taken`` are names already in use. A visual predicate costs its arity (4.5).
-    """
-    signatures: dict[str, set[tuple[Type, ...]]] = {}
-    for proposal in proposals:
-        for atom in proposal.accepted:
-            signatures.setdefault(atom.name, set()).add(tuple(o.type for o in atom.objects))
-    used = set(taken)
-    pool = []
-    for base in sorted(signatures):
-        for i, types in enumerate(sorted(signatures[base], key=lambda ts: [t.name for t in ts])):
-            name = f"{base}{i}"
-            while name in used:
-                name = f"{base}_{i}" if name == f"{base}{i}" else name + "_"
-            used.add(name)
-            pool.append(Candidate(Predicate(name, types, FromVLM(base)), float(len(types))))
-    return tuple(sorted(pool))
