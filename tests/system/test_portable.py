@@ -10,7 +10,7 @@ BLOCKED = ("fcntl", "resource", "termios", "tty", "pty", "pwd", "grp", "posix", 
 IMPORT_ALL = f"""
 import builtins, importlib, pkgutil, sys
 BLOCKED = {BLOCKED!r}
-EXTRAS = ('gymnasium', 'mujoco')
+EXTRAS = ('bosdyn', 'cryptography', 'google', 'grpc', 'gymnasium', 'jwt', 'mujoco')
 original = builtins.__import__
 
 def blocking(name, globals=None, locals=None, fromlist=(), level=0):
@@ -26,7 +26,7 @@ for name in names:
     try:
         importlib.import_module(name)
     except ModuleNotFoundError as error:  # a module about an optional package needs it
-        if error.name not in EXTRAS:
+        if (error.name or '').partition('.')[0] not in EXTRAS:
             raise
 print(len(names))
 """
