@@ -11,6 +11,7 @@ import pytest
 
 import pix2pred as p2p
 from cli.hostile_lamps import Fake, write_lamps
+from extras import need
 from lamps_run import learn_lamps
 from pix2pred.runs.folder import RunFolderError
 from pix2pred.vlm import VLMError
@@ -64,3 +65,13 @@ def test_a_run_folder_gives_a_model_and_its_answers_a_replay(tmp_path: Path) -> 
         p2p.load_model(tmp_path / "nowhere")
     with pytest.raises(VLMError, match="no answers to replay"):
         p2p.learn(tmp_path / "data", vlm=f"replay:{tmp_path / 'nowhere'}")
+
+
+@need("unified_planning", extra="planners")
+def test_a_model_and_a_scene_become_a_problem_of_unified_planning(tmp_path: Path) -> None:
+    folder = write_lamps(tmp_path / "lamps")
+    model = p2p.learn(folder, vlm=Fake())
+    domain = model.to_unified_planning()
+    assert [a.name for a in domain.actions] == ["op0"] and not domain.goals
+    problem = model.to_unified_planning(model.plan(folder / "tasks/t0"))
+    assert {o.name for o in problem.all_objects} == {"robby", "l1", "l2"} and problem.goals

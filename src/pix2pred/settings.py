@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from pix2pred.demos.files.yaml_lines import MAX_BYTES, YamlError, parse_yaml
+from pix2pred.demos import MOST_YAML_BYTES, YamlError, parse_yaml
 from pix2pred.learning import LearningSettings
 from pix2pred.learning.samplers.settings import SamplerSettings
 from pix2pred.predicates import GrammarSettings, LabelSettings, ProposalSettings
@@ -115,7 +115,7 @@ def of_file(path: Path) -> Layer:
     Raises ``SettingsError`` for a file that is no YAML mapping, and ``OSError`` for one that cannot be read.
     """
     with path.open("rb") as file:
-        content = file.read(MAX_BYTES + 1)
+        content = file.read(MOST_YAML_BYTES + 1)
     says_nothing = all(not line.strip() or line.lstrip().startswith(b"#") for line in content.splitlines())
     try:
         loaded = {} if says_nothing else parse_yaml(content).data

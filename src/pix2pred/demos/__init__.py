@@ -8,6 +8,8 @@ from pix2pred.demos.digest import project_digest
 from pix2pred.demos.files.folders import DOMAIN
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.schemas import json_schemas, write_schemas
+from pix2pred.demos.files.yaml_lines import MAX_BYTES as MOST_YAML_BYTES
+from pix2pred.demos.files.yaml_lines import YamlError, parse_yaml
 from pix2pred.demos.join import join_projects
 from pix2pred.demos.pictures import ENDINGS
 from pix2pred.demos.read import Project, StoredTask, read_project, read_tasks
@@ -17,16 +19,19 @@ from pix2pred.demos.write import write_project, write_state, write_task
 __all__ = [
     "DOMAIN",
     "ENDINGS",
+    "MOST_YAML_BYTES",
     "FolderError",
     "Inspection",
     "Photographed",
     "Problem",
     "Project",
     "StoredTask",
+    "YamlError",
     "check_project",
     "inspect_project",
     "join_projects",
     "json_schemas",
+    "parse_yaml",
     "project_digest",
     "read_photo",
     "read_project",

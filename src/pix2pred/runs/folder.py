@@ -16,7 +16,7 @@ from typing import Any
 
 import yaml
 
-from pix2pred.demos.files.yaml_lines import YamlError, parse_yaml
+from pix2pred.demos import YamlError, parse_yaml
 from pix2pred.runs import addresses
 from pix2pred.runs.layout import CONFIG, CORRECTIONS, LOCK
 from pix2pred.settings import default_of
