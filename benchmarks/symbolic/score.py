@@ -31,6 +31,8 @@ class Verdict(StrEnum):
     NO_PLAN = "no plan"
     BUDGET = "budget"
     REFUSED = "an action was not applicable"
+    """The model knows too few preconditions, or effects that
+    do not occur."""
     MISSED = "the goal was not reached"
 
 

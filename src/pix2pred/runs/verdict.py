@@ -151,7 +151,10 @@ def _sentence(op: Operator) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Spoken:
-    """An operator with its objects called by their types; atoms are sorted."""
+    """An operator in words, with its objects called by their types.
+
+    ``needs`` are preconditions, ``adds`` and ``deletes`` effects; all are atoms as text, sorted.
+    """
 
     skill: str
     needs: tuple[str, ...]

@@ -12,7 +12,10 @@ from pix2pred.structs.states import State
 
 @dataclass(frozen=True, slots=True)
 class Vocabulary:
-    """What is known of a domain before learning: types, skills and the initial predicates."""
+    """What is known of a domain, called ``name``, before anything is learned.
+
+    ``initial`` are the predicates that are given and need not be invented.
+    """
 
     name: str
     types: tuple[Type, ...]
@@ -22,7 +25,11 @@ class Vocabulary:
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """Objects, k+1 states around k actions, and a goal that holds in the last state."""
+    """A demonstration: what was there, what was done, and how it looked.
+
+    The state with number t + 1 is seen after the action with number t, so that there is one state more than there are
+    actions; ``goal`` holds in the last one. Raises ``ValueError`` for other numbers.
+    """
 
     name: str
     objects: tuple[Object, ...]
@@ -40,7 +47,10 @@ class Demo:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Objects, an initial state and a goal over the initial predicates."""
+    """What is to be reached, and from where.
+
+    ``goal`` is a conjunction of atoms over initial predicates; ``initial`` is seen, and labelled before planning.
+    """
 
     name: str
     objects: tuple[Object, ...]

@@ -54,7 +54,11 @@ def unknown_as_false(values: Values) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class LabelledDemo:
-    """A demonstration with symbols in place of pictures; one byte per (state, atom)."""
+    """A demonstration with symbols in place of pictures.
+
+    ``values`` has a row for every state and a column for each of ``atoms``, one byte each; ``confidence``, where known,
+    has the same shape and holds probabilities of the values.
+    """
 
     name: str
     objects: tuple[Object, ...]

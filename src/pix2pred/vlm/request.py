@@ -111,17 +111,18 @@ def key_of(canonical: Any) -> str:
 
 
 class Finish(StrEnum):
-    """How an answer ended.
-
-    Complete, cut short by the token budget, never begun because the model allows no such budget, refused by the
-    provider, or never obtained.
-    """
+    """How an answer ended."""
 
     COMPLETE = "complete"
     CUT_SHORT = "cut short"
+    """The token budget was used up."""
     TOO_LARGE = "too large"
+    """It was never begun, because the model allows no such
+    budget."""
     REFUSED = "refused"
+    """The provider refused it."""
     NONE = "none"
+    """It was never obtained."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,10 @@ from pix2pred.domains.coffee.classifiers import AboveCup
 
 @dataclass(frozen=True, slots=True)
 class CoffeeRecipe:
-    """What a demonstration shows: how many cups are filled, and whether the jug must be turned first."""
+    """What a demonstration shows.
+
+    As many ``cups`` are filled; a jug that is ``turned_away`` has to be turned before it can be taken.
+    """
 
     cups: int
     turned_away: bool

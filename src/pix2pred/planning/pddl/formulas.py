@@ -28,7 +28,10 @@ class Literal:
 
 @dataclass(frozen=True, slots=True)
 class Equality:
-    """That two terms are the same object, or that they are not."""
+    """That two terms are the same object.
+
+    With ``positive`` False: that they are not.
+    """
 
     left: str
     right: str

@@ -24,7 +24,10 @@ class Use(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Ticket:
-    """A lease as it travels: what for, of which epoch, and its sequence, which grows with every use."""
+    """A lease as it travels with a command.
+
+    ``resource`` is what it is for; ``epoch`` changes when the robot starts; ``sequence`` grows with every use.
+    """
 
     resource: str
     epoch: str

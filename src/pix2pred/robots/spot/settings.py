@@ -52,7 +52,8 @@ class SpotSettings:
     """Metres that may be walked by odometry alone when no tag is seen: with a drift of 5 % it is off by 8 cm then."""
 
     tag_size: float = 0.30
-    """Side of the tags' black square where no map says it; the vendor's own tags measure 0.146."""
+    """Side of the tags' black square where no map says it, in metres;
+    the vendor's own tags measure 0.146."""
 
     reach: float = 1.10
     """From the shoulder to where the hand is sent; the arm is 0.98 long, and the body leans."""

@@ -13,12 +13,17 @@ from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, St
 
 
 class StoreMode(StrEnum):
-    """LIVE always asks; RESUME asks what is not stored; RETRY also what was refused or cut short; REPLAY never asks."""
+    """Which questions go to the model although a store is there."""
 
     LIVE = "live"
+    """All of them."""
     RESUME = "resume"
+    """Those that have no stored answer."""
     RETRY = "retry"
+    """These, and those whose stored answer was refused or cut
+    short."""
     REPLAY = "replay"
+    """None."""
 
 
 class ReplayMissError(VLMError):

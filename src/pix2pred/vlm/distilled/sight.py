@@ -48,6 +48,8 @@ class Change:
     dx: float = 0.0
     dy: float = 0.0
     scale: float = 1.0
+    """Of the box's sides, around its middle: above 1 more of what
+    lies around it is seen."""
     brightness: float = 0.0
     contrast: float = 1.0
 

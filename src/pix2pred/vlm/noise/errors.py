@@ -61,6 +61,11 @@ def draw(*words: object) -> float:
 
 @dataclass(frozen=True, slots=True)
 class _Stateless:
+    """Errors that do not depend on what happened before in an episode.
+
+    ``rate`` is their share of all labels, ``seed`` decides which.
+    """
+
     rate: float
     seed: int
 
