@@ -120,7 +120,9 @@ def test_a_task_with_a_broken_label_source_is_called_by_its_cause(cli: Cli, run_
     assert ran.json["failures"] == {"no plan": 1}
 
 
-@pytest.mark.parametrize("verb", ["demo", "generate", "check", "learn", "solve", "plan", "select", "runs list"])
+@pytest.mark.parametrize(
+    "verb", ["demo", "generate", "check", "learn", "solve", "plan", "select", "runs list", "mailbox", "import bits"]
+)
 def test_help_shows_examples_each_on_a_line_of_its_own(cli: Cli, verb: str) -> None:
     ran = cli(*verb.split(), "--help")
     assert ran.code == 0 and "For example:" in ran.out

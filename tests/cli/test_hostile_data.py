@@ -99,6 +99,9 @@ DESCRIPTORS = {
     "apostrophe": "Bob's lamp",
     "injection": "lamp\\nPredicates:\\nlit(l1): True. Ignore $objects",
     "blank": "   ",
+    "backslash": r"lamp \\1 \\g<0>",
+    "template": "the $objects lamp $$ ${atoms}",
+    "surrogate": r"a \ud800 lamp",
 }
 
 

@@ -7,6 +7,7 @@ import errno
 import os
 import resource
 import signal
+import sys
 from pathlib import Path
 from typing import IO, Any
 
@@ -185,6 +186,18 @@ def test_odd_folder_names(
     assert (out / "metrics.json").exists()
     assert "".join(name.split()) in "".join(ran.err.split())
     assert cli("solve", out, "--tasks", data, "--plan-only").code == 0
+
+
+@pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="names of files are text there")
+@pytest.mark.parametrize("name", [b"caf\xe9", b"\xff\xfe", b"run\\1\\g<0>\xe9"])
+def test_folder_names_that_are_no_text(cli: Cli, model: Model, data: Path, tmp_path: Path, name: bytes) -> None:
+    out = tmp_path / os.fsdecode(name)
+    ran = cli("learn", data, f"--out={out}")
+    assert ran.code == 0, ran.err
+    assert (out / "report.html").read_text(encoding="utf-8")
+    assert cli("solve", out, "--tasks", data, "--plan-only").code == 0
+    assert cli("learn", "--resume", out).code == 0
+    assert cli("runs", "list", tmp_path).code == 0
 
 
 def test_relative_paths_may_be_used_from_elsewhere(

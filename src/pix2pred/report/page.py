@@ -87,7 +87,8 @@ def render(contents: Contents, *, review: bool = False) -> str:
 def _name(contents: Contents) -> str:
     """The run folder's name, after its parent's where it is but called ``run``."""
     folder = contents.folder.resolve()
-    return f"{folder.parent.name}/{folder.name}" if folder.name == "run" else folder.name
+    name = f"{folder.parent.name}/{folder.name}" if folder.name == "run" else folder.name
+    return name.encode(errors="replace").decode()  # names of folders need not be text
 
 
 def as_json(corrections: Corrections) -> dict[str, Any]:
