@@ -56,6 +56,11 @@ def distil(sources: Sources, out: Path, progress: Progress = silent) -> CardDoc:
     others = [_answers_of(folder) for folder in sources.episodes]
     stores = Stores([*own, *others])
     found = taught_by_demonstrations(run, stores, everything=sources.everything)
+    if not found.words:
+        raise LessonError(
+            f"{run.path}: no predicate of its world model is read from pictures, so there is nothing to teach; "
+            "--all teaches the words of the pool"
+        )
     for store in own:
         add_episodes(found, store, teacher, stores)
     for folder, store in zip(sources.episodes, others, strict=True):

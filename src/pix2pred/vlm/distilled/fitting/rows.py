@@ -17,7 +17,7 @@ MOVED, SCALED, BRIGHTER, CONTRASTED = 0.03, 0.05, 0.04, 0.06
 """Deviations of the changes: shares of the box's side, and of the range of brightness. Nothing is mirrored or turned:
 words such as left, above and open would change their meaning."""
 
-NUMBERS_PER_ROW = 160
+NUMBERS_PER_ROW = 210
 """Codes of a row about two objects, for sharing out the memory among kinds of objects."""
 
 _NOTHING: Array = np.zeros(0, dtype=np.float32)
