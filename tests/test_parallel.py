@@ -94,7 +94,7 @@ def test_an_engine_that_is_not_installed_names_its_extra(
         return real(name, *args, **options)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(BackendError, match=rf"pix2pred\[{module}\]"):
+    with pytest.raises(BackendError, match=rf"pip install .*\[{module}\]"):
         list(Workers(2, backend).map(draw, range(2)))
 
 

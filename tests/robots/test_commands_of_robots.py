@@ -92,4 +92,4 @@ def test_without_the_extra_one_sentence_says_what_to_install(tmp_path: Path) -> 
     command = [sys.executable, "-c", hidden, "robot", "check", "127.0.0.1"]
     ran = subprocess.run(command, capture_output=True, text=True, env=os.environ | SECRETS, timeout=PATIENCE)
     assert ran.returncode == 2 and ran.stderr.count("\n") == 1
-    assert "pip install 'pix2pred[spot]'" in ran.stderr
+    assert "pip install " in ran.stderr and "[spot]'" in ran.stderr
