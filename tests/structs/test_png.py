@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import runpy
+import subprocess
 import sys
 import zlib
 from pathlib import Path
@@ -35,12 +36,24 @@ def test_the_checksum_of_joined_strips_is_that_of_their_rows(heights: list[int],
     assert len(zlib.decompress(packed)) == sum(strip.length for strip in strips), "zlib checks the sum"
 
 
-def test_without_fast_packing_the_pictures_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_fast_reading_the_files_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "isal", None)
     plain = runpy.run_path(str(Path(pix2pred.system.png.__file__)), run_name="without")
-    assert plain["packing"] is zlib
+    assert plain["reading"] is zlib
     pixels = np.random.default_rng(1).integers(0, 256, (30, 41, 3), dtype=np.uint8)
-    assert np.array_equal(Image(plain["png_file"]([plain["pack"](pixels)])).pixels(), pixels)
+    assert plain["png_file"]([plain["pack"](pixels)]) == png_file([pack(pixels)])
+    assert np.array_equal(plain["unpack"](png_file([pack(pixels)]), 30 * 41), pixels)
+
+
+def test_the_same_pixels_are_the_same_bytes_in_every_process() -> None:
+    program = (
+        "import hashlib, numpy as np; from pix2pred.system.png import pack;"
+        "y, x = np.mgrid[:400, :500];"
+        "pixels = np.stack([x // 7 * y // 9, x // 5, y // 3], 2).astype(np.uint8);"
+        "print(hashlib.sha256(pack(pixels).blocks).hexdigest())"
+    )
+    runs = [subprocess.run([sys.executable, "-c", program], capture_output=True, text=True) for _ in range(4)]
+    assert len({run.stdout for run in runs}) == 1 and runs[0].stdout, runs[0].stderr
 
 
 PIXELS = np.random.default_rng(0).integers(0, 256, (7, 9, 3), dtype=np.uint8)
