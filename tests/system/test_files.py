@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,24 @@ def test_what_an_earlier_process_of_the_same_number_left_goes(tmp_path: Path) ->
     os.utime(left, (0, 0))
     remove_abandoned(tmp_path)
     assert not left.exists()
+
+
+def test_files_that_come_and_go_meanwhile_are_no_error(tmp_path: Path) -> None:
+    ended_too = threading.Event()
+
+    def write() -> None:
+        while not ended_too.is_set():
+            write_whole(tmp_path / "file", b"x")
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        for _ in range(300):
+            remove_abandoned(tmp_path)
+    finally:
+        ended_too.set()
+        writer.join()
+    assert (tmp_path / "file").read_bytes() == b"x"
 
 
 def test_other_files_are_nobodys_business(tmp_path: Path, ended: int) -> None:

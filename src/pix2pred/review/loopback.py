@@ -18,6 +18,8 @@ from typing import Any
 LOOPBACK = "127.0.0.1"
 MAX_BODY = 1 << 20
 """Longer requests are refused."""
+MOST_READ = 4 * MAX_BODY
+"""Bytes of a body that is too large which are read all the same, and thrown away; what is longer is hung up on."""
 
 LONGEST_LENGTH = 18
 """Digits of a length; thousands of them are no number to Python."""
@@ -117,6 +119,8 @@ class LoopbackHandler(BaseHTTPRequestHandler):
         elif len(length) > LONGEST_LENGTH:
             self.refuse(HTTPStatus.BAD_REQUEST, "no request is that long")
         elif int(length) > MAX_BODY:
+            if int(length) <= MOST_READ:
+                self.rfile.read(int(length))  # who is still sending would not hear the answer
             self.refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {MAX_BODY} bytes")
         else:
             try:

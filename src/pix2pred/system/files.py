@@ -79,9 +79,12 @@ def remove_abandoned(folder: Path) -> None:
 
 
 def _is_abandoned(path: Path, process: int) -> bool:
-    if process == os.getpid():  # in a container, every process may have the number of the one before
+    if process != os.getpid():
+        return not _is_running(process)
+    try:  # in a container, every process may have the number of the one before
         return path.stat().st_mtime < _BEGAN
-    return not _is_running(process)
+    except FileNotFoundError:  # another thread has just finished it
+        return False
 
 
 def _is_running(process: int) -> bool:
