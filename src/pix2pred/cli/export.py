@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json as json_text
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from cyclopts import App, Parameter
 
@@ -12,7 +12,7 @@ from pix2pred.cli.console import UsageError, out, print_json
 from pix2pred.cli.ranges import output_folder
 from pix2pred.demos import DOMAIN, read_project, read_tasks, write_project
 from pix2pred.demos.authoring import bare_demo, bare_task
-from pix2pred.report.hub_card import LICENCES, SharedAs, model_card, project_card
+from pix2pred.report.hub_card import Licence, SharedAs, model_card, project_card
 from pix2pred.runs.layout import METRICS, MODEL, PDDL, SAMPLERS
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.formats.world_model import load_model
@@ -20,7 +20,6 @@ from pix2pred.system.files import write_whole
 
 export = App(name="export")
 CARD = "README.md"
-Licence = Literal[LICENCES]  # type: ignore[valid-type]
 
 
 @export.command(name="hub-folder")
@@ -59,7 +58,7 @@ def hub_folder(
         out.print(f"written to {out_dir}; read its {CARD}, and say there what the limits are", markup=False)
 
 
-def _write_project(source: Path, folder: Path, licence: str, title: str | None) -> None:
+def _write_project(source: Path, folder: Path, licence: Licence, title: str | None) -> None:
     project = read_project(source)
     tasks = [
         SimulatedTask(bare_task(stored.task), stored.simulator or {})
@@ -73,7 +72,7 @@ def _write_project(source: Path, folder: Path, licence: str, title: str | None) 
     write_whole(folder / CARD, card.encode())
 
 
-def _write_model(source: Path, folder: Path, licence: str, title: str | None) -> None:
+def _write_model(source: Path, folder: Path, licence: Licence, title: str | None) -> None:
     model = load_model(source / MODEL)
     metrics = source / METRICS
     for name in (MODEL, PDDL, SAMPLERS, METRICS):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any
+from typing import Any, Literal
 
 import yaml
 from jinja2 import Environment, StrictUndefined
@@ -15,19 +15,19 @@ from pix2pred.demos import Project
 from pix2pred.planning.pddl.write import write_domain
 from pix2pred.structs import WorldModel
 
-LICENCES = (
+Licence = Literal[
     "apache-2.0", "mit", "bsd-3-clause", "cc0-1.0", "cc-by-4.0", "cc-by-sa-4.0", "cc-by-nc-4.0", "cc-by-nc-sa-4.0",
     "odc-by", "odbl", "other",
-)  # fmt: skip
+]  # fmt: skip
 """Identifiers that hubs know; ``other`` asks for a LICENSE file beside the card."""
 _TAGS = ["pix2pred", "planning", "pddl", "symbolic-world-model"]
 
 
 @dataclass(frozen=True, slots=True)
 class SharedAs:
-    """What the person who shares says: the licence (one of ``LICENCES``) and a title."""
+    """What the person who shares says: the licence by the name that hubs know and a title."""
 
-    licence: str
+    licence: Licence
     title: str
 
 
