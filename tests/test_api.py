@@ -37,7 +37,7 @@ def test_ten_lines_from_data_to_a_plan(tmp_path: Path) -> None:
     seeing = Fake()
     data = p2p.read_data(folder)
     model = p2p.learn(data, vlm=seeing)
-    assert len(model.operators) == 1 and "(:action op0" in model.pddl
+    assert len(model.operators) == 1 and "(:action press-lamp" in model.pddl
     assert [p.name for p in model.selected] == [p.name for p in model.world.selected]
     asked = len(seeing.asked)
     found = model.plan(folder / "tasks/t0")
@@ -72,6 +72,6 @@ def test_a_model_and_a_scene_become_a_problem_of_unified_planning(tmp_path: Path
     folder = write_lamps(tmp_path / "lamps")
     model = p2p.learn(folder, vlm=Fake())
     domain = model.to_unified_planning()
-    assert [a.name for a in domain.actions] == ["op0"] and not domain.goals
+    assert [a.name for a in domain.actions] == ["press-lamp"] and not domain.goals
     problem = model.to_unified_planning(model.plan(folder / "tasks/t0"))
     assert {o.name for o in problem.all_objects} == {"robby", "l1", "l2"} and problem.goals

@@ -40,6 +40,7 @@ MAY_IMPORT |= {
     "review": WITH_SETTINGS | {"pipeline", "runs", "report"},
     "planners": {"structs", "planning"},
     "gym_envs": {"structs", "registry"},
+    "unified_planning_engine": {"structs", "planning", "planners"},
     "approaches": WITH_SETTINGS | {"pipeline"},
     "benchmark": ABOVE_THE_PIPELINE | {"runs"},
     "registry": LOWER | {"pipeline", "approaches", "domains", "planners"},

@@ -42,7 +42,7 @@ def test_the_tutorial_says_what_happens(
 
     with Follower(read) as follower:
         assert follower.follow((DOCS / "your_own_data.md").read_text()) >= 12
-    assert "(op" in (tmp_path / "runs/kitchen/plans/new/plan.txt").read_text()
+    assert "(pick-item " in (tmp_path / "runs/kitchen/plans/new/plan.txt").read_text()
 
 
 def test_pages_are_taken_apart() -> None:

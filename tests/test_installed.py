@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import sysconfig
@@ -70,3 +71,11 @@ def test_a_program_is_checked_against_the_types_of_the_installed_package(site: P
 
 def test_the_wheel_says_that_it_is_typed(site: Path) -> None:
     assert (site / "pix2pred" / "py.typed").is_file()
+
+
+def test_what_an_index_shows_links_to_no_file_beside_it(site: Path) -> None:
+    text = next(site.glob("pix2pred-*.dist-info/METADATA")).read_text(encoding="utf-8")
+    assert "*Picture: A learned operator" in text and "pix2pred demo --recorded" in text
+    targets = re.findall(r"\]\(([^)]*)\)", text)
+    assert targets and all(t.startswith("https:") for t in targets), targets
+    assert "Project-URL: Paper, https://arxiv.org/abs/2501.00296" in text

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from extras import need
 from pix2pred.planning import AStar, Planner
-from pix2pred.planning.pddl.names import FOR_OTHERS, PLAIN, PddlStyle
 from pix2pred.planning.pddl.read import read_domain, read_problem
 from pix2pred.planning.pddl.steps import read_plan
 from pix2pred.planning.pddl.write import write_domain, write_plan, write_problem
@@ -64,20 +63,18 @@ def random_model(seed: int) -> tuple[WorldModel, tuple[Object, ...], frozenset[A
     return model, objects, frozenset({atom(predicates[0])}), (atom(predicates[1]),)
 
 
-@given(st.integers(0, 2**32), st.sampled_from([PLAIN, FOR_OTHERS, PddlStyle(unique=True)]))
+@given(st.integers(0, 2**32))
 @settings(max_examples=60, deadline=None)
-def test_exports_are_read_back(seed: int, style: PddlStyle) -> None:
+def test_exports_are_read_back(seed: int) -> None:
     model, objects, initial, goal = random_model(seed)
-    domain = read_domain(write_domain(model, style))
-    problem = read_problem(write_problem(model, "any", objects, initial, goal, style), domain)
+    domain = read_domain(write_domain(model))
+    problem = read_problem(write_problem(model, "any", objects, initial, goal), domain)
     assert domain.name == model.vocabulary.name
     assert set(domain.predicates) == set(model.predicates)
     assert {str(a) for a in problem.initial} == {str(a) for a in initial}
     assert {o.name: o.type.name for o in problem.objects} == {o.name: o.type.name for o in objects}
-    if not style.descriptive:
-        assert [str(op) for op in domain.operators] == [str(op) for op in model.operators]
     plan = Planner(AStar()).plan(model.operators, objects, initial, goal).plan
-    steps = read_plan(write_plan(model, objects, plan, style), domain, problem)
+    steps = read_plan(write_plan(model, objects, plan), domain, problem)
     assert [s.objects for s in steps] == [tuple(o.name for o in s.objects) for s in plan]
     assert [s.skill for s in map({o.name: o for o in domain.operators}.__getitem__, [s.action for s in steps])] == [
         s.operator.skill for s in plan
@@ -103,11 +100,11 @@ def test_actions_and_parameters_are_called_after_what_they_do() -> None:
         ),
         "oracle",
     )
-    text = write_domain(model, FOR_OTHERS)
+    text = write_domain(model)
     assert "(:action pick-patty\n  :parameters (?robot - robot ?patty - patty)" in text
     assert "(:action put-patty-grill-on\n" in text and "(:action put-patty-grill-free\n" in text
     assert "?patty-2 - patty" in text
-    assert "(:action op0\n  :parameters (?x0 - robot" in write_domain(model)
+    assert "(:action put-patty-grill-free\n  :parameters (?robot - robot ?patty - patty ?grill - grill ?patty-2" in text
 
 
 @need("unified_planning", extra="planners")
@@ -116,7 +113,7 @@ def test_unified_planning_reads_exports() -> None:
 
     for seed in range(12):
         model, objects, initial, goal = random_model(seed)
-        texts = write_domain(model, FOR_OTHERS), write_problem(model, "any", objects, initial, goal, FOR_OTHERS)
+        texts = write_domain(model), write_problem(model, "any", objects, initial, goal)
         read = PDDLReader().parse_problem_string(*texts)
         assert len(read.actions) == 3 and len(read.all_objects) == 2 and len(read.fluents) == 4, texts
 
@@ -127,9 +124,8 @@ def test_pyperplan_reads_exports(tmp_path: Path) -> None:
 
     for seed in range(12):
         model, objects, initial, goal = random_model(seed)
-        style = (PLAIN, FOR_OTHERS)[seed % 2]
-        (tmp_path / "d.pddl").write_text(write_domain(model, style))
-        (tmp_path / "p.pddl").write_text(write_problem(model, "any", objects, initial, goal, style))
+        (tmp_path / "d.pddl").write_text(write_domain(model))
+        (tmp_path / "p.pddl").write_text(write_problem(model, "any", objects, initial, goal))
         parser = Parser(str(tmp_path / "d.pddl"), str(tmp_path / "p.pddl"))
         problem = parser.parse_problem(parser.parse_domain())
         assert len(problem.domain.actions) == 3 and len(problem.objects) == 2 and len(problem.initial_state) == 1
@@ -144,5 +140,5 @@ def test_a_predicate_called_like_a_word_of_the_language_is_renamed_and_read_back
     does = Operator("op0", (x,), frozenset(), frozenset({LiftedAtom(named, (x,))}), frozenset(), act, (x,))
     model = WorldModel(Vocabulary("words", (thing,), (act,), ()), (named,), (does,), "oracle")
     text = write_domain(model)
-    assert f";@ name predicate {word}-2 {word}\n" in text and f"({word}-2 ?x0)" in text
+    assert f";@ name predicate {word}-2 {word}\n" in text and f"({word}-2 ?thing)" in text
     assert read_domain(text).predicates == (named,)

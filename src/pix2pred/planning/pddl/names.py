@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from pix2pred.planning.pddl.parts import RESERVED
 from pix2pred.structs import LiftedAtom, Operator, Variable, WorldModel
@@ -13,36 +13,20 @@ _ONE_SPACE = "name"
 _SHARED = {"type", "predicate", "action", "object"}
 
 
-@dataclass(frozen=True, slots=True)
-class PddlStyle:
-    """How names are written.
+class PddlNames:
+    """Original names and their PDDL forms.
 
-    ``descriptive``: actions are called after their skill and effects (``pick-patty``), and parameters after their types
-    (``?patty``), instead of ``op3`` and ``?x0``. ``unique``: no two things of a file share a name, as unified-planning
-    wants it; otherwise an object may be called like its type.
+    Types, predicates, actions and objects share no form: some readers refuse an object that is called like its type.
     """
 
-    descriptive: bool = False
-    unique: bool = False
-
-
-PLAIN = PddlStyle()
-FOR_OTHERS = PddlStyle(descriptive=True, unique=True)
-"""What reads best elsewhere."""
-
-
-class PddlNames:
-    """Original names and their PDDL forms, one table per kind (type, predicate, action, object)."""
-
-    def __init__(self, style: PddlStyle = PLAIN) -> None:
-        self._style = style
+    def __init__(self) -> None:
         self._forms: dict[tuple[str, str], str] = {}
         self._taken: dict[str, set[str]] = {}
 
     def form(self, kind: str, name: str) -> str:
         """The PDDL form of ``name``: lower case, legal characters, no word of the language, different from others."""
         if (kind, name) not in self._forms:
-            space = _ONE_SPACE if self._style.unique and kind in _SHARED else kind
+            space = _ONE_SPACE if kind in _SHARED else kind
             taken = self._taken.setdefault(space, {"object", *RESERVED})
             base = _legal(name)
             form, number = base, 2
@@ -64,18 +48,31 @@ def _legal(name: str) -> str:
 
 
 def described(model: WorldModel) -> WorldModel:
-    """``model`` with operators called after skill and effects, and parameters after their types."""
+    """``model`` with operators called after skill and effects (``pick-patty``), parameters after types (``?patty``).
+
+    Of the effects those are named that not all operators with this skill and these types have.
+    """
     first_types = {op.skill.types[0].name if op.skill.types else "" for op in model.operators}
     agents = first_types if len(first_types) == 1 else set()
     firsts = {op: _described_by_skill(op, agents) for op in model.operators}
-    shared = Counter(firsts.values())
+    effects = {
+        op: {a.predicate.name for a in op.add} or {f"not-{a.predicate.name}" for a in op.delete} for op in firsts
+    }
+    shared = {
+        first: set.intersection(*(effects[op] for op in firsts if firsts[op] == first)) for first in firsts.values()
+    }
     names: list[str] = []
     for op in model.operators:
-        name = firsts[op] if shared[firsts[op]] == 1 else f"{firsts[op]}-{_described_by_effects(op)}"
+        name = _legal("-".join((firsts[op], *sorted(effects[op] - shared[firsts[op]]))))
         taken = sum(n == name or n.startswith(f"{name}-v") for n in names)
         names.append(f"{name}-v{taken + 1}" if taken else name)
     operators = tuple(_with_names(op, name) for op, name in zip(model.operators, names, strict=True))
     return replace(model, operators=operators)
+
+
+def arguments_first(op: Operator) -> tuple[Variable, ...]:
+    """The parameters of ``op`` with the arguments of its skill before the others."""
+    return tuple(dict.fromkeys((*op.skill_args, *op.parameters)))
 
 
 def _described_by_skill(op: Operator, agents: set[str]) -> str:
@@ -83,16 +80,14 @@ def _described_by_skill(op: Operator, agents: set[str]) -> str:
     return "-".join((op.skill.name, *(t.name for t in op.skill.types if t.name not in agents)))
 
 
-def _described_by_effects(op: Operator) -> str:
-    added = sorted({a.predicate.name for a in op.add})
-    return "-".join(added) if added else "-".join(("not", *sorted({a.predicate.name for a in op.delete})))
-
-
 def _with_names(op: Operator, name: str) -> Operator:
-    """``op`` under another name, its parameters called after their types; a second one of a type gets a number."""
+    """``op`` under another name, the arguments of its skill first among its parameters.
+
+    They are called after their types; a second one of a type gets a number.
+    """
     count: Counter[str] = Counter()
     new: dict[Variable, Variable] = {}
-    for v in op.parameters:
+    for v in arguments_first(op):
         base = _legal(v.type.name)
         count[base] += 1
         new[v] = Variable(f"?{base}" if count[base] == 1 else f"?{base}-{count[base]}", v.type)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from pix2pred.planning.pddl.names import PLAIN, PddlNames, PddlStyle, described
+from pix2pred.planning.pddl.names import PddlNames, arguments_first, described
 from pix2pred.structs import (
     AbstractState,
     Atom,
@@ -23,9 +23,9 @@ from pix2pred.structs import (
 )
 
 
-def write_domain(model: WorldModel, style: PddlStyle = PLAIN) -> str:
+def write_domain(model: WorldModel) -> str:
     """The PDDL domain of ``model``; every action excludes that two of its parameters are one object."""
-    return _domain(described(model) if style.descriptive else model, PddlNames(style))
+    return _domain(described(model), PddlNames())
 
 
 def _domain(model: WorldModel, names: PddlNames) -> str:
@@ -48,10 +48,9 @@ def write_problem(
     objects: Iterable[Object],
     initial: AbstractState,
     goal: Iterable[Atom],
-    style: PddlStyle = PLAIN,
 ) -> str:
-    """The PDDL problem of one task of ``model``, for the domain that ``write_domain`` gives in the same style."""
-    names = _names_of_domain(model, style)
+    """The PDDL problem of one task of ``model``, for the domain that ``write_domain`` gives."""
+    names = _names_of_domain(described(model))
     things = "\n".join(f"   {names.form('object', o.name)} - {_type_form(o.type, names)}" for o in sorted(objects))
     facts = "\n".join(f"   {_fact(a, names)}" for a in sorted(initial))
     wanted = " ".join(_fact(a, names) for a in sorted(goal))
@@ -63,28 +62,30 @@ def write_problem(
     )
 
 
-def _names_of_domain(model: WorldModel, style: PddlStyle) -> PddlNames:
+def _names_of_domain(shown: WorldModel) -> PddlNames:
     """The names that the domain file uses, to which those of a problem are added."""
-    names = PddlNames(style)
-    _domain(described(model) if style.descriptive else model, names)
+    names = PddlNames()
+    _domain(shown, names)
     return names
 
 
-def write_plan(
-    model: WorldModel, objects: Iterable[Object], plan: Iterable[GroundOperator], style: PddlStyle = PLAIN
-) -> str:
+def write_plan(model: WorldModel, objects: Iterable[Object], plan: Iterable[GroundOperator]) -> str:
     """A plan as planning competitions write it, one ``(action object ...)`` a line, with the names of the files above.
 
     ``objects`` are all of the task, as given to ``write_problem``.
     """
-    names = _names_of_domain(model, style)
+    shown = described(model)
+    names = _names_of_domain(shown)
     for o in sorted(objects):
         names.form("object", o.name)
-    shown = described(model) if style.descriptive else model
-    action = {op.name: names.form("action", new.name) for op, new in zip(model.operators, shown.operators, strict=True)}
-    return "".join(
-        f"({' '.join((action[s.operator.name], *(names.form('object', o.name) for o in s.objects)))})\n" for s in plan
-    )
+    forms = {op.name: names.form("action", new.name) for op, new in zip(model.operators, shown.operators, strict=True)}
+
+    def line(step: GroundOperator) -> str:
+        bound = dict(zip(step.operator.parameters, step.objects, strict=True))
+        objects = (names.form("object", bound[v].name) for v in arguments_first(step.operator))
+        return f"({' '.join((forms[step.operator.name], *objects))})\n"
+
+    return "".join(map(line, plan))
 
 
 def _type_form(t: Type, names: PddlNames) -> str:
