@@ -125,7 +125,7 @@ def test_a_failure_that_repeats_ends_the_episode_with_a_reason(monkeypatch: pyte
     )
     episode = solve(closed_loop=True)
     assert not episode.solved
-    assert "failed again" in episode.detail
+    assert "failed again" in episode.detail and "the robot does not move" in episode.detail
     assert [s.turn for s in episode.steps] == [Turn.FOLLOWED, Turn.REPEATED, Turn.REPEATED]
 
 

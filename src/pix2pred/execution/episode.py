@@ -65,6 +65,9 @@ class ClosedLoop:
         pursuit = Pursuit(self.plan_from, self.goal, plan, perception, self.max_replans, may_assume=True)
 
         def failed(how: StepStatus | None, why: str) -> ExecutionResult:
+            last = steps[-1] if steps and steps[-1].status != StepStatus.DONE else None
+            if last is not None and last.detail not in why:
+                how, why = how or StepStatus(last.status), f"{why}: {last.detail}"
             return ExecutionResult(False, how, why, tuple(steps), pursuit.replans)
 
         if environment.goal_reached():
