@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -216,18 +217,24 @@ def test_a_share_of_sure_answers_is_checked_and_changes_nothing(reader: Distille
     liar = Large({words[a]: not truth[a] for a in read})
     model = cascade(reader, liar, checked=1.0)
     assert labels(model, shown, list(read)) == read
-    assert model.tally.as_dict() == {
+    said = model.tally.as_dict()
+    assert {what: said[what] for what in ("by_reader", "by_model", "questions", "checked", "differed", "drifted")} == {
         "by_reader": len(read), "by_model": 0, "questions": 1, "checked": len(read), "differed": len(read),
         "drifted": True,
     }  # fmt: skip
+    assert {word: count["differed"] for word, count in said["words"].items()} == Counter(
+        a.predicate.name.rstrip("0") for a in read
+    )
+    assert {(row["atom"], row["read"]) for row in said["differences"]} == {(words[a], truth[a]) for a in read}
+    assert {row["picture"] for row in said["differences"]} == {shown.pictures[0].image.digest}
     assert "distil again" in model.tally.line()
 
 
 def test_drift_is_more_than_chance() -> None:
     tally = Tally()
-    tally.note("look", [], [], [Checked(f"a{i}", 0.02, i == 0) for i in range(50)], None)
+    tally.note("look", [], [], [Checked(f"a{i}", 0.02, True, i != 0) for i in range(50)], None)
     assert tally.chance > 0.5 and not tally.drifted
-    tally.note("other", [], [], [Checked(f"a{i}", 0.02, i < 8) for i in range(50)], None)
+    tally.note("other", [], [], [Checked(f"a{i}", 0.02, True, i >= 8) for i in range(50)], None)
     assert tally.chance < 0.001 and tally.drifted and "drift" not in Tally().line()
 
 
