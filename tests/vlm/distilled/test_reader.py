@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -11,9 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pix2pred.images import ShownPictures
 from pix2pred.predicates import Labeller, LabelSettings, StepToLabel, ground_atoms
 from pix2pred.predicates.labelling.again import SecondLook
-from pix2pred.registry import REGISTRY
+from pix2pred.registry import REGISTRY, _said
 from pix2pred.structs import Action, Atom, FromVLM, Label, Object, Predicate, Skill, State, Type
 from pix2pred.vlm import Answer, AnswerStore, NoAnswerError, Purpose, Request, VLMError
 from pix2pred.vlm.distilled.cascade import Cascade
@@ -28,9 +30,12 @@ from pix2pred.vlm.distilled.files import (
 from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.reader import DistilledReader
 from pix2pred.vlm.distilled.tally import Checked, Tally
+from pix2pred.vlm.mailbox import MailboxVLM
+from pix2pred.vlm.mailbox_folder import MailboxFolder
 from pix2pred.vlm.model_spec import ModelNameError
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, taught
+from vlm.test_mailbox import AGES, awaited
 
 LAMP, TRAY = Type("lamp"), Type("tray")
 OBJECTS = [Object(name, LAMP if kind == "lamp" else TRAY) for name, kind in TYPES.items()]
@@ -84,8 +89,6 @@ class Large:
 
 
 def cascade(reader: DistilledReader, large: Large, checked: float = 0.0) -> Cascade:
-    from pix2pred.registry import _said
-
     return Cascade(reader, large, _said, checked)
 
 
@@ -252,3 +255,20 @@ def test_readers_and_cascades_can_be_named_and_cost_nothing_or_less(folder: Path
             REGISTRY.model_spec(wrong)
     with pytest.raises(ReaderFileError, match="pix2pred distil"):
         REGISTRY.vlm(f"reader:{tmp_path}", None)
+
+
+def test_a_person_behind_a_reader_is_asked_about_the_rest_alone(reader: DistilledReader, tmp_path: Path) -> None:
+    shown, truth, _ = state(6)
+    warm = ground_atoms((WARM,), OBJECTS)
+    model = Cascade(reader, MailboxVLM(tmp_path, ShownPictures(), poll=0.01), _said, 0.0)
+    found: list[dict[Atom, Label]] = []
+    sure = [a for a, v in labels(reader, shown).items() if v != Label.UNKNOWN]
+    thread = threading.Thread(target=lambda: found.append(labels(model, shown, [*sure, *warm])), daemon=True)
+    thread.start()
+    form = awaited(tmp_path, "*/form.txt")
+    assert form.read_text() == "* warm(lamp1): ?\n* warm(lamp2): ?\n"
+    assert MailboxFolder(tmp_path).question(form.parent.name).states == (0,)
+    form.write_text("* warm(lamp1): True\n* warm(lamp2): False\n")
+    form.rename(form.with_name("answer.txt"))
+    thread.join(AGES)
+    assert found == [{a: Label.of(truth[a]) for a in sure} | dict(zip(warm, (Label.TRUE, Label.FALSE), strict=True))]
