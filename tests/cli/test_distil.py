@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from command_line import Cli
+from pix2pred.report import REPORT
 from pix2pred.vlm.distilled.files import CARD, WEIGHTS
 
 READER = "reader"
@@ -27,6 +28,9 @@ def test_a_run_teaches_a_reader_that_solves_its_tasks_and_learns_more_from_them(
     assert solved.code == 0, solved.err
     said = solved.json["said_by"]
     assert said["by_reader"] > 3 * said["by_model"] and not said["drifted"]
+    assert sum(count["by_reader"] for count in said["words"].values()) == said["by_reader"]
+    page = (run_copy / REPORT).read_text()
+    assert "Who said what" in page and "The large model contradicts the reader" not in page
 
     assert cli("solve", run_copy, "--tasks", project, "--closed-loop").code == 0  # the teacher itself labels
     again = cli("distil", "--resume", tmp_path / READER, "--json")

@@ -71,6 +71,21 @@ def test_labels_pictures_and_explanations_are_inside(run: RunFolder) -> None:
     assert demo["states"][1][0]["crop"] is not None
 
 
+def test_who_said_what_and_where_the_two_differed_is_shown(run: RunFolder) -> None:
+    said = {
+        "by_reader": 40, "by_model": 3, "questions": 2, "checked": 20, "differed": 1, "drifted": True,
+        "words": {"lit": {"by_reader": 40, "by_model": 3, "checked": 20, "differed": 1}},
+        "differences": [{"picture": "ab" * 32, "atom": f"lit({BOMB})", "read": True, "said": False}],
+    }  # fmt: skip
+    summary = {"solved": 0, "tasks": 0, "failures": {}, "episodes": []}
+    contents = load_contents(run)
+    text = render(replace(contents, solved={"old": summary, "new": summary | {"said_by": said}}))
+    assert text.count("Who said what") == 1 and "40 labels by the reader, 3 by the large model in 2 questions" in text
+    assert "was read as true; the large model says false" in text and "distil --resume" in text and BOMB not in text
+    calm = render(replace(contents, solved={"new": summary | {"said_by": said | {"drifted": False}}}))
+    assert "distil --resume" not in calm
+
+
 def test_sections_say_what_happened(run: RunFolder) -> None:
     text = (run.path / REPORT).read_text()
     for expected in ("ghost is not an object", "true in no state", "transitions in support", "Steps of the climb"):

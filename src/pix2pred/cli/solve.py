@@ -12,12 +12,14 @@ from cyclopts import Parameter
 
 from pix2pred.api import load_solver
 from pix2pred.cli.console import UsageError, bars, out, print_json, print_solved
+from pix2pred.cli.learn import say_where_questions_wait
 from pix2pred.cli.ranges import NOT_NEGATIVE, POSITIVE, SHARE, output_file
 from pix2pred.demos import FolderError, Problem, read_tasks
 from pix2pred.execution import Solver, TruthOf
 from pix2pred.execution.film import Film
 from pix2pred.registry import Registry, check_family
 from pix2pred.report import write_report
+from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.solve import solve_into
 from pix2pred.structs import PlanStatus
@@ -72,6 +74,7 @@ def solve(
         solver, config = load_solver(
             folder, planner, closed_loop=closed_loop, ask_again=ask_again, vlm=vlm, registry=registry
         )
+        say_where_questions_wait(registry.model_spec(vlm or addresses.reached(config["vlm"], run)))
         domain = domain or config["simulator"].get("domain")
         family = family or config["simulator"].get("family")
         chosen, name = _tasks(registry, tasks, solver, domain, family, seed, count, plan_only=plan_only)

@@ -48,7 +48,7 @@ def test_the_card_says_how_words_did_on_demonstrations_left_out() -> None:
 def test_the_same_labels_give_the_same_reader_whatever_came_before() -> None:
     one, other = fit(lesson(5, 4, 4), SETTINGS), fit(lesson(5, 4, 4), SETTINGS)
     for kinds, model in one.model.kinds.items():
-        assert np.array_equal(model.rows, other.model.kinds[kinds].rows)
+        assert np.array_equal(model.rows.codes, other.model.kinds[kinds].rows.codes)
         for word, word_taught in model.words.items():
             assert np.array_equal(word_taught.machine.weights, other.model.kinds[kinds].words[word].machine.weights)
 

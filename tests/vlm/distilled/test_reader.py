@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import threading
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -10,9 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pix2pred.images import ShownPictures
 from pix2pred.predicates import Labeller, LabelSettings, StepToLabel, ground_atoms
 from pix2pred.predicates.labelling.again import SecondLook
-from pix2pred.registry import REGISTRY
+from pix2pred.registry import REGISTRY, _said
 from pix2pred.structs import Action, Atom, FromVLM, Label, Object, Predicate, Skill, State, Type
 from pix2pred.vlm import Answer, AnswerStore, NoAnswerError, Purpose, Request, VLMError
 from pix2pred.vlm.distilled.cascade import Cascade
@@ -27,9 +30,12 @@ from pix2pred.vlm.distilled.files import (
 from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.reader import DistilledReader
 from pix2pred.vlm.distilled.tally import Checked, Tally
+from pix2pred.vlm.mailbox import MailboxVLM
+from pix2pred.vlm.mailbox_folder import MailboxFolder
 from pix2pred.vlm.model_spec import ModelNameError
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, taught
+from vlm.test_mailbox import AGES, awaited
 
 LAMP, TRAY = Type("lamp"), Type("tray")
 OBJECTS = [Object(name, LAMP if kind == "lamp" else TRAY) for name, kind in TYPES.items()]
@@ -83,8 +89,6 @@ class Large:
 
 
 def cascade(reader: DistilledReader, large: Large, checked: float = 0.0) -> Cascade:
-    from pix2pred.registry import _said
-
     return Cascade(reader, large, _said, checked)
 
 
@@ -216,18 +220,24 @@ def test_a_share_of_sure_answers_is_checked_and_changes_nothing(reader: Distille
     liar = Large({words[a]: not truth[a] for a in read})
     model = cascade(reader, liar, checked=1.0)
     assert labels(model, shown, list(read)) == read
-    assert model.tally.as_dict() == {
+    said = model.tally.as_dict()
+    assert {what: said[what] for what in ("by_reader", "by_model", "questions", "checked", "differed", "drifted")} == {
         "by_reader": len(read), "by_model": 0, "questions": 1, "checked": len(read), "differed": len(read),
         "drifted": True,
     }  # fmt: skip
+    assert {word: count["differed"] for word, count in said["words"].items()} == Counter(
+        a.predicate.name.rstrip("0") for a in read
+    )
+    assert {(row["atom"], row["read"]) for row in said["differences"]} == {(words[a], truth[a]) for a in read}
+    assert {row["picture"] for row in said["differences"]} == {shown.pictures[0].image.digest}
     assert "distil again" in model.tally.line()
 
 
 def test_drift_is_more_than_chance() -> None:
     tally = Tally()
-    tally.note("look", [], [], [Checked(f"a{i}", 0.02, i == 0) for i in range(50)], None)
+    tally.note("look", [], [], [Checked(f"a{i}", 0.02, True, i != 0) for i in range(50)], None)
     assert tally.chance > 0.5 and not tally.drifted
-    tally.note("other", [], [], [Checked(f"a{i}", 0.02, i < 8) for i in range(50)], None)
+    tally.note("other", [], [], [Checked(f"a{i}", 0.02, True, i >= 8) for i in range(50)], None)
     assert tally.chance < 0.001 and tally.drifted and "drift" not in Tally().line()
 
 
@@ -245,3 +255,20 @@ def test_readers_and_cascades_can_be_named_and_cost_nothing_or_less(folder: Path
             REGISTRY.model_spec(wrong)
     with pytest.raises(ReaderFileError, match="pix2pred distil"):
         REGISTRY.vlm(f"reader:{tmp_path}", None)
+
+
+def test_a_person_behind_a_reader_is_asked_about_the_rest_alone(reader: DistilledReader, tmp_path: Path) -> None:
+    shown, truth, _ = state(6)
+    warm = ground_atoms((WARM,), OBJECTS)
+    model = Cascade(reader, MailboxVLM(tmp_path, ShownPictures(), poll=0.01), _said, 0.0)
+    found: list[dict[Atom, Label]] = []
+    sure = [a for a, v in labels(reader, shown).items() if v != Label.UNKNOWN]
+    thread = threading.Thread(target=lambda: found.append(labels(model, shown, [*sure, *warm])), daemon=True)
+    thread.start()
+    form = awaited(tmp_path, "*/form.txt")
+    assert form.read_text() == "* warm(lamp1): ?\n* warm(lamp2): ?\n"
+    assert MailboxFolder(tmp_path).question(form.parent.name).states == (0,)
+    form.write_text("* warm(lamp1): True\n* warm(lamp2): False\n")
+    form.rename(form.with_name("answer.txt"))
+    thread.join(AGES)
+    assert found == [{a: Label.of(truth[a]) for a in sure} | dict(zip(warm, (Label.TRUE, Label.FALSE), strict=True))]

@@ -56,7 +56,7 @@ def distil(sources: Sources, out: Path, progress: Progress = silent) -> CardDoc:
     others = [_answers_of(folder) for folder in sources.episodes]
     stores = Stores([*own, *others])
     found = taught_by_demonstrations(run, stores, everything=sources.everything)
-    if not found.words:
+    if not found.predicates:
         raise LessonError(
             f"{run.path}: no predicate of its world model is read from pictures, so there is nothing to teach; "
             "--all teaches the words of the pool"
@@ -95,7 +95,7 @@ def _made_from(found: Taught, teacher: str) -> MadeFrom:
     for e in found.examples:
         digest.update(json.dumps([e.look, e.word, e.names, e.label, round(e.weight, 6)]).encode())
     return MadeFrom(
-        teacher=teacher, vocabulary=found.vocabulary, demonstrations=found.demonstrations, episodes=found.episodes,
+        teacher=teacher, vocabulary=found.vocabulary.name, demonstrations=found.demonstrations, episodes=found.episodes,
         looks=len(found.looks), labels=len(found.examples), corrected=found.corrected, doubted=found.doubted,
         data=digest.hexdigest(),
     )  # fmt: skip

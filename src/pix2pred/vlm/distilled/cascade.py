@@ -96,11 +96,11 @@ class Cascade:
         error = {(doc.word, len(doc.kinds)): doc.teacher_error for doc in self.reader.card.words}
         found = []
         for atom in audited:
-            if str(atom) in said:
-                reading = latest[atom]
+            reading = latest[atom]
+            if str(atom) in said and reading.value is not None:
                 wrong = min(reading.probability, 1 - reading.probability)
                 expected = wrong + error.get((atom.word, len(atom.names)), 0.0)
-                found.append(Checked(str(atom), expected, said[str(atom)] != reading.value))
+                found.append(Checked(str(atom), expected, reading.value, said[str(atom)]))
         return found
 
 

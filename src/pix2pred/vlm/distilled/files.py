@@ -23,7 +23,7 @@ from pix2pred.system.files import write_whole
 from pix2pred.vlm.distilled.calibration import Calibration
 from pix2pred.vlm.distilled.codes import PartCode, RegionCode
 from pix2pred.vlm.distilled.fitting.fit import Fitted
-from pix2pred.vlm.distilled.machine import Kernel, Layout, WordMachine
+from pix2pred.vlm.distilled.machine import Kernel, Layout, Rows, WordMachine
 from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, Taught
 from pix2pred.vlm.distilled.sight import PARTS, Array
 
@@ -143,7 +143,7 @@ def write_reader(directory: Path, fitted: Fitted, made_from: MadeFrom, settings:
         settings=dict(settings), sure=model.bars.sure, strange=model.bars.strange, words=tuple(words),
         untaught=tuple(UntaughtDoc(word=u.word, kinds=u.kinds, reason=u.reason) for u in fitted.untaught),
         kinds=tuple(model.kinds), regions=tuple(model.regions),
-        layouts=tuple(dict(m.layout.places) for m in model.kinds.values()),
+        layouts=tuple(dict(m.rows.layout.places) for m in model.kinds.values()),
         weights=hashlib.sha256(content).hexdigest(),
     )  # fmt: skip
     write_whole(directory / WEIGHTS, content)
@@ -160,9 +160,9 @@ def _arrays(model: DistilledModel) -> dict[str, NDArray[np.generic]]:
             arrays[f"region|{r}|{part}|spread"] = code.spread
             arrays[f"region|{r}|{part}|residual"] = np.array([code.residual])
     for k, kinds in enumerate(model.kinds.values()):
-        arrays[f"kinds|{k}|rows"] = kinds.rows.astype(np.float16)
+        arrays[f"kinds|{k}|rows"] = kinds.rows.codes.astype(np.float16)
         arrays[f"kinds|{k}|relation"] = kinds.relation
-        arrays[f"kinds|{k}|spreads"] = kinds.layout.spreads
+        arrays[f"kinds|{k}|spreads"] = kinds.rows.layout.spreads
         arrays[f"kinds|{k}|nearest"] = np.array([kinds.nearest])
         for word, taught in kinds.words.items():
             arrays[f"kinds|{k}|word|{word}"] = taught.machine.weights
@@ -228,7 +228,7 @@ def _model(card: CardDoc, arrays: Mapping[str, NDArray[Any]]) -> DistilledModel:
                 curve = Calibration(doc.curve.slope, doc.curve.middle, doc.curve.error, doc.curve.most)
                 words[doc.word] = Taught(WordMachine(kernel, weights), curve)
         nearest = float(arrays[f"kinds|{k}|nearest"][0])
-        kinds[name] = KindsModel(layout, rows, _floats(arrays[f"kinds|{k}|relation"]), nearest, words)
+        kinds[name] = KindsModel(Rows(layout, rows), _floats(arrays[f"kinds|{k}|relation"]), nearest, words)
     return DistilledModel(regions, kinds, Bars(card.sure, card.strange))
 
 

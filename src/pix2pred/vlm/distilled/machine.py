@@ -7,7 +7,7 @@ which every component counts alike. Rows of training serve all words; each word 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -33,47 +33,78 @@ class Layout:
     places: Mapping[str, tuple[int, int]]
     spreads: Array
 
-    def columns(self, parts: Sequence[str]) -> list[int]:
-        """The columns of ``parts``."""
-        return [i for part in parts for i in range(*self.places[part])]
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """All parts."""
+        return tuple(self.places)
 
-    def shares(self) -> Array:
-        """One over the number of components of each column's part: parts count alike in the Gaussian kernel."""
-        share = np.zeros(len(self.spreads), dtype=np.float32)
-        for first, last in self.places.values():
-            share[first:last] = 1 / max(1, last - first)
-        return share
-
-
-def gram(kernel: Kernel, layout: Layout, a: Array, b: Array) -> Array:
-    """The kernel between rows of codes: (rows of a, rows of b). Spreads of a part are scaled to a variance of 1."""
-    columns = layout.columns(kernel.parts)
-    total = np.zeros((len(a), len(b)), dtype=np.float32)
-    if kernel.linear:
-        weight = layout.spreads[columns]
-        total += np.float32(kernel.linear / len(kernel.parts)) * ((a[:, columns] * weight) @ (b[:, columns] * weight).T)
-    if kernel.linear < 1:
-        distance = squared_distances(layout, columns, a, b) / len(kernel.parts)
-        total += np.float32(1 - kernel.linear) * np.exp(-distance / np.float32(kernel.scale))
-    return total
+    def mean_of(self, parts: Sequence[str]) -> Array:
+        """By column the weight with which ``parts`` count alike, and all components of one of them; 0 for others."""
+        weight = np.zeros(len(self.spreads), dtype=np.float32)
+        for part in parts:
+            first, last = self.places[part]
+            weight[first:last] = 1 / (max(1, last - first) * len(parts))
+        return weight
 
 
-def squared_distances(layout: Layout, columns: Sequence[int], a: Array, b: Array) -> Array:
-    """Squared distances of codes in which every part counts alike: (rows of a, rows of b)."""
-    weight = np.sqrt(layout.shares()[columns])
-    x, y = a[:, columns] * weight, b[:, columns] * weight
-    found: Array = np.maximum((x**2).sum(axis=1)[:, None] + (y**2).sum(axis=1)[None] - 2 * x @ y.T, 0)
-    return found
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Codes of shape (rows, columns) with which others are compared; what does not depend on the others is kept."""
+
+    layout: Layout
+    codes: Array
+    _norms: dict[tuple[str, ...], Array] = field(default_factory=dict, compare=False)
+
+    def norms(self, parts: tuple[str, ...]) -> Array:
+        """Squared lengths in which ``parts`` count alike: (rows,)."""
+        if parts not in self._norms:
+            self._norms[parts] = self.codes**2 @ self.layout.mean_of(parts)
+        return self._norms[parts]
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """Codes compared with rows; what several kernels need is computed once."""
+
+    codes: Array
+    rows: Rows
+    _squared: dict[tuple[str, ...], Array] = field(default_factory=dict, compare=False)
+    _products: dict[tuple[str, ...], Array] = field(default_factory=dict, compare=False)
+
+    def squared(self, parts: tuple[str, ...]) -> Array:
+        """Squared distances in which ``parts`` count alike: (codes, rows)."""
+        if parts not in self._squared:
+            weight = self.rows.layout.mean_of(parts)
+            own = self.codes**2 @ weight
+            products = (self.codes * weight) @ self.rows.codes.T
+            self._squared[parts] = np.maximum(own[:, None] + self.rows.norms(parts)[None] - 2 * products, 0)
+        return self._squared[parts]
+
+    def gram(self, kernel: Kernel) -> Array:
+        """The kernel: (codes, rows). Components of a part are scaled so that its variance is 1 in the linear one."""
+        total = np.zeros((len(self.codes), len(self.rows.codes)), dtype=np.float32)
+        if kernel.linear:
+            total += np.float32(kernel.linear) * self._product(kernel.parts)
+        if kernel.linear < 1:
+            total += np.float32(1 - kernel.linear) * np.exp(self.squared(kernel.parts) / np.float32(-kernel.scale))
+        return total
+
+    def _product(self, parts: tuple[str, ...]) -> Array:
+        if parts not in self._products:
+            layout = self.rows.layout
+            weight = np.where(layout.mean_of(parts) > 0, layout.spreads**2 / np.float32(len(parts)), 0)
+            self._products[parts] = (self.codes * weight) @ self.rows.codes.T
+        return self._products[parts]
 
 
 @dataclass(frozen=True, slots=True)
 class WordMachine:
-    """What one word makes of the rows: its kernel, and a weight for every row."""
+    """What one word makes of the rows: its kernel, and a weight for every row. Scores are positive for true."""
 
     kernel: Kernel
     weights: Array
 
-    def scores(self, layout: Layout, codes: Array, rows: Array) -> Array:
-        """Scores of codes of shape (n, columns): positive for true."""
-        found: Array = gram(self.kernel, layout, codes, rows) @ self.weights
+    def scores(self, compared: Compared) -> Array:
+        """Scores of the codes that are compared with the rows."""
+        found: Array = compared.gram(self.kernel) @ self.weights
         return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -12,7 +12,7 @@ import numpy as np
 from pix2pred.vlm.distilled.calibration import Calibration
 from pix2pred.vlm.distilled.codes import RegionCode
 from pix2pred.vlm.distilled.looks import Look
-from pix2pred.vlm.distilled.machine import Layout, WordMachine, squared_distances
+from pix2pred.vlm.distilled.machine import Compared, Rows, WordMachine
 from pix2pred.vlm.distilled.regions import Kinds, Names, PictureSeen, kinds_of_regions, regions_of
 from pix2pred.vlm.distilled.sight import Array
 
@@ -72,8 +72,7 @@ class KindsModel:
     usual distance (squared) of a new row from all rows.
     """
 
-    layout: Layout
-    rows: Array
+    rows: Rows
     relation: Array
     nearest: float
     words: Mapping[str, Taught]
@@ -124,39 +123,51 @@ class DistilledModel:
                 else:
                     taught[atom] = model.words[atom[0]]
                     asked[kinds].append(atom)
-            for kinds, group in asked.items():
-                for atom, view in zip(group, self._views(seen, kinds, group), strict=True):
-                    views[atom].append(view)
+            for atom, view in self._views(seen, asked):
+                views[atom].append(view)
         return [
             self._reading(taught[atom], views[atom]) if views[atom] else Reading(None, 0.5, why[atom]) for atom in atoms
         ]
 
-    def _views(self, seen: PictureSeen, kinds: Kinds, atoms: Sequence[AtomAsked]) -> list[View]:
-        model = self.kinds[kinds]
-        tuples = list(dict.fromkeys(names for _, names in atoms))
-        codes, strange = self.codes(seen, kinds, tuples)
-        columns = list(range(codes.shape[1]))
-        nearest = squared_distances(model.layout, columns, codes, model.rows).min(axis=1) / np.float32(model.nearest)
-        strange = np.maximum(strange, np.sqrt(nearest))
-        place = {names: i for i, names in enumerate(tuples)}
-        scores: dict[AtomAsked, float] = {}
-        for word in dict.fromkeys(word for word, _ in atoms):
-            mine = [names for w, names in atoms if w == word]
-            found = model.words[word].machine.scores(model.layout, codes[[place[n] for n in mine]], model.rows)
-            scores |= {(word, names): float(s) for names, s in zip(mine, found, strict=True)}
-        return [View(scores[atom], float(strange[place[atom[1]]])) for atom in atoms]
+    def _views(self, seen: PictureSeen, asked: Mapping[Kinds, Sequence[AtomAsked]]) -> Iterator[tuple[AtomAsked, View]]:
+        """What a picture says about atoms; each of their regions is looked at once."""
+        tuples = {kinds: list(dict.fromkeys(names for _, names in atoms)) for kinds, atoms in asked.items()}
+        coded = self._coded(seen, tuples)
+        for kinds, atoms in asked.items():
+            model = self.kinds[kinds]
+            parts = [[coded[part] for part in _regions(kinds, names)] for names in tuples[kinds]]
+            mean, deviation = model.relation
+            relations = [(seen.relation(names) - mean) / deviation for names in tuples[kinds]]
+            codes = np.stack([
+                np.concatenate([*(code for code, _ in row), relation], dtype=np.float32)
+                for row, relation in zip(parts, relations, strict=True)
+            ])  # fmt: skip
+            compared = Compared(codes, model.rows)
+            nearest = compared.squared(model.rows.layout.parts).min(axis=1) / np.float32(model.nearest)
+            strange = np.maximum(np.sqrt(nearest), [max(strange for _, strange in row) for row in parts])
+            place = {names: i for i, names in enumerate(tuples[kinds])}
+            scores = {word: model.words[word].machine.scores(compared) for word in dict.fromkeys(w for w, _ in atoms)}
+            for word, names in atoms:
+                yield (word, names), View(float(scores[word][place[names]]), float(strange[place[names]]))
 
-    def codes(self, seen: PictureSeen, kinds: Kinds, tuples: Sequence[Names]) -> tuple[Array, Array]:
-        """Codes of tuples of objects of ``kinds``, and how strange their regions look."""
-        regions = [regions_of(names) for names in tuples]
-        vectors = seen.vectors([r for parts in regions for r in parts])
-        vectors = vectors.reshape(len(tuples), -1, vectors.shape[1])
-        coded = [self.regions[kind](vectors[:, i]) for i, kind in enumerate(kinds_of_regions(kinds))]
-        relations = np.stack([seen.relation(names) for names in tuples])
-        mean, deviation = self.kinds[kinds].relation
-        parts = [part for c in coded for part in c.parts.values()]
-        codes = np.concatenate([*parts, (relations - mean) / deviation], axis=1, dtype=np.float32)
-        return codes, np.max([c.strange for c in coded], axis=0)
+    def _coded(
+        self, seen: PictureSeen, tuples: Mapping[Kinds, Sequence[Names]]
+    ) -> dict[tuple[str, Names], tuple[Array, float]]:
+        """By kind and names of a region its code, and how strange it looks."""
+        found: dict[tuple[str, Names], tuple[Array, float]] = {}
+        regions = dict.fromkeys(
+            region for kinds, group in tuples.items() for names in group for region in _regions(kinds, names)
+        )
+        vectors = seen.vectors([names for _, names in regions])
+        for kind in dict.fromkeys(kind for kind, _ in regions):
+            mine = [i for i, (k, _) in enumerate(regions) if k == kind]
+            coded = self.regions[kind](vectors[mine])
+            codes = np.concatenate(list(coded.parts.values()), axis=1)
+            for region, code, strange in zip(
+                [r for r in regions if r[0] == kind], codes, coded.strange.tolist(), strict=True
+            ):
+                found[region] = (code, strange)
+        return found
 
     def _reading(self, taught: Taught, views: Sequence[View]) -> Reading:
         known = [view for view in views if view.strange <= self.bars.strange]
@@ -166,6 +177,10 @@ class DistilledModel:
         if max(p, 1 - p) < self.bars.sure:
             return Reading(None, p, Why.UNSURE)
         return Reading(p > 0.5, p, Why.READ)
+
+
+def _regions(kinds: Kinds, names: Names) -> list[tuple[str, Names]]:
+    return list(zip(kinds_of_regions(kinds), regions_of(names), strict=True))
 
 
 def joint(scores: Sequence[float]) -> float:

@@ -15,7 +15,7 @@ import PIL.Image
 
 from pix2pred.structs import Box, Picture
 from pix2pred.vlm.distilled.looks import Look
-from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Change, is_blank, see
+from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Change, Shown, see
 
 Kinds = tuple[str, ...]
 """What an atom is about: the type of each object, or its name after ``@`` where nobody says where it is."""
@@ -32,16 +32,15 @@ _FARTHEST = 3.0
 
 @dataclass(slots=True)
 class PictureSeen:
-    """One picture of a look; what was computed of a region is kept, because many atoms are about the same object."""
+    """One picture of a look, and what its regions show."""
 
     look: Look
     picture: Picture
-    image: PIL.Image.Image = field(init=False)
-    _vectors: dict[tuple[str, ...], Array] = field(default_factory=dict)
+    shown: Shown = field(init=False)
     _blank: dict[str, bool] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.image = PIL.Image.fromarray(self.picture.image.pixels())
+        self.shown = Shown([PIL.Image.fromarray(self.picture.image.pixels())])
 
     def kinds(self, names: Sequence[str]) -> Kinds | None:
         """The kinds of the objects; ``None`` when one of them has no box here but has one elsewhere."""
@@ -61,7 +60,7 @@ class PictureSeen:
         """Whether none of the boxes is blank."""
         for name in names:
             if name not in self._blank:
-                self._blank[name] = is_blank(self.image, self.box(name))
+                self._blank[name] = self.shown.is_blank(self.box(name))
         return not any(self._blank[name] for name in names)
 
     def box(self, name: str) -> Box:
@@ -71,16 +70,11 @@ class PictureSeen:
     @property
     def whole(self) -> Box:
         """The whole picture."""
-        return Box(0.0, 0.0, *map(float, self.image.size))
+        return Box(0.0, 0.0, *map(float, self.shown.size))
 
     def vectors(self, regions: Sequence[tuple[str, ...]], change: Change = UNCHANGED) -> Array:
         """One vector for each region, given as the names of the objects in it; none for the whole picture."""
-        if change is not UNCHANGED:
-            return see(self.image, [self._region(names) for names in regions], [change] * len(regions))
-        new = [names for names in dict.fromkeys(regions) if names not in self._vectors]
-        found = see(self.image, [self._region(names) for names in new], [UNCHANGED] * len(new))
-        self._vectors |= dict(zip(new, found, strict=True))
-        return np.stack([self._vectors[names] for names in regions])
+        return see(self.shown, [self._region(names) for names in regions], [change] * len(regions))
 
     def _region(self, names: tuple[str, ...]) -> Box:
         if not names:

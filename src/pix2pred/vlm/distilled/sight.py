@@ -6,6 +6,7 @@ resampled with sub-pixel accuracy, so that equal things at different places give
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,8 @@ NEAR, AROUND = 1.15, 2.4
 """Sides of the two parts, relative to the longer side of the box."""
 ORIENTATIONS, CELLS = 8, 4
 """Gradients are counted by orientation in a grid of CELLS x CELLS cells."""
+FINE = 2
+"""Pixels, in width and height, of which each pixel of a part is the mean at least."""
 BLANK = 2.0
 """A box whose grey values deviate less than this (of 255) shows nothing."""
 
@@ -62,22 +65,57 @@ def split(vectors: Array) -> dict[str, Array]:
     return dict(zip(PARTS, np.split(vectors, _FRAMES, axis=-1), strict=True))
 
 
-def is_blank(picture: PIL.Image.Image, box: Box) -> bool:
-    """Whether a box shows nothing: it is empty, lies outside, or holds one grey value alone."""
-    area = (round(box.left), round(box.top), round(box.right), round(box.bottom))
-    if area[2] <= area[0] or area[3] <= area[1]:
-        return True
-    grey = np.asarray(picture.crop(area).convert("L"), dtype=np.float32)
-    return bool(grey.std() < BLANK)
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A picture, and coarser copies of it, each of half the size of the one before, made when they are needed."""
+
+    copies: list[PIL.Image.Image]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        return self.copies[0].size
+
+    def copy(self, halvings: int) -> PIL.Image.Image:
+        """The picture, reduced by half so many times."""
+        while len(self.copies) <= halvings:
+            self.copies.append(self.copies[-1].reduce(2))
+        return self.copies[halvings]
+
+    def is_blank(self, box: Box) -> bool:
+        """Whether a box shows nothing: it is empty, lies outside, or holds one grey value alone."""
+        area = (round(box.left), round(box.top), round(box.right), round(box.bottom))
+        if area[2] <= area[0] or area[3] <= area[1]:
+            return True
+        grey = np.asarray(self.copies[0].crop(area).convert("L"), dtype=np.float32)
+        return bool(grey.std() < BLANK)
+
+    def square(self, center: tuple[float, float], half: float, side: int) -> Array:
+        """A square of the picture as ``side`` times ``side`` pixels of values from 0 to 1; black outside the picture.
+
+        It is cut from the coarsest copy that has at least ``FINE`` pixels for each of them.
+        """
+        halvings = max(0, math.frexp(2 * half / (FINE * side))[1] - 1)
+        (x, y), half = (center[0] / 2**halvings, center[1] / 2**halvings), half / 2**halvings
+        left, top = int(np.floor(x - half)), int(np.floor(y - half))
+        right, bottom = int(np.ceil(x + half)), int(np.ceil(y + half))
+        exact = (x - half - left, y - half - top, x + half - left, y + half - top)
+        cut = self.copy(halvings).crop((left, top, right, bottom))
+        part: Array = np.asarray(cut.resize((side, side), PIL.Image.Resampling.BOX, exact), dtype=np.float32)
+        part /= np.float32(255)
+        return part
 
 
-def see(picture: PIL.Image.Image, boxes: Sequence[Box], changes: Sequence[Change]) -> Array:
+def see(picture: Shown, boxes: Sequence[Box], changes: Sequence[Change]) -> Array:
     """One vector of ``LENGTH`` numbers for each box, seen through the change beside it."""
     if not boxes:
         return np.zeros((0, LENGTH), dtype=np.float32)
     moved = [_moved(box, change) for box, change in zip(boxes, changes, strict=True)]
-    near = np.stack([_part(picture, box, NEAR, NEAR_SIDE) for box in moved])
-    around = np.stack([_part(picture, box, AROUND, AROUND_SIDE) for box in moved])
+    halves = [max(box.width, box.height, 1.0) / 2 for box in moved]
+    near, around = (
+        np.stack([picture.square(b.center, half * factor, side) for b, half in zip(moved, halves, strict=True)])
+        for factor, side in ((NEAR, NEAR_SIDE), (AROUND, AROUND_SIDE))
+    )
     light = np.array([(c.contrast, c.brightness) for c in changes], dtype=np.float32)[:, :, None, None, None]
     near, around = ((part - 0.5) * light[:, 0] + 0.5 + light[:, 1] for part in (near, around))
     place = np.array([_place(box, picture.size) for box in moved], dtype=np.float32)
@@ -90,17 +128,6 @@ def _moved(box: Box, change: Change) -> Box:
     x, y = box.center[0] + change.dx * side, box.center[1] + change.dy * side
     width, height = box.width * change.scale / 2, box.height * change.scale / 2
     return Box(x - width, y - height, x + width, y + height)
-
-
-def _part(picture: PIL.Image.Image, box: Box, factor: float, side: int) -> Array:
-    """A square about the box; what lies outside the picture is black."""
-    (x, y), half = box.center, max(box.width, box.height, 1.0) * factor / 2
-    left, top = int(np.floor(x - half)), int(np.floor(y - half))
-    right, bottom = int(np.ceil(x + half)), int(np.ceil(y + half))
-    exact = (x - half - left, y - half - top, x + half - left, y + half - top)
-    small = picture.crop((left, top, right, bottom)).resize((side, side), PIL.Image.Resampling.BOX, exact)
-    part: Array = np.asarray(small, dtype=np.float32) / np.float32(255)
-    return part
 
 
 def _halved(parts: Array) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
@@ -21,12 +22,19 @@ _LEAST_ERROR = 0.01
 class Checked:
     """A sure answer about ``atom`` that the other model was asked about as well.
 
-    ``expected`` is the probability that the two differ, as was foreseen; ``differed`` says whether they did.
+    ``expected`` is the probability that the two differ, as was foreseen; ``read`` is the reader's value and ``said``
+    the other's.
     """
 
     atom: str
     expected: float
-    differed: bool
+    read: bool
+    said: bool
+
+    @property
+    def differed(self) -> bool:
+        """Whether the two say otherwise."""
+        return self.read != self.said
 
 
 @dataclass(slots=True)
@@ -68,7 +76,7 @@ class Tally:
         return self.chance < DRIFT
 
     def as_dict(self) -> dict[str, Any]:
-        """JSON-compatible counts."""
+        """JSON-compatible counts, in all and by the word of the atoms, and the checks in which the two differed."""
         return {
             "by_reader": len(self.by_reader),
             "by_model": len(self.by_model),
@@ -76,7 +84,24 @@ class Tally:
             "checked": len(self.checks),
             "differed": self.differed,
             "drifted": self.drifted,
+            "words": self._by_word(),
+            "differences": [
+                {"picture": look.partition("|")[0], "atom": atom, "read": check.read, "said": check.said}
+                for (look, atom), check in sorted(self.checks.items())
+                if check.differed
+            ],
         }
+
+    def _by_word(self) -> dict[str, dict[str, int]]:
+        counted = {
+            "by_reader": self.by_reader,
+            "by_model": self.by_model,
+            "checked": self.checks,
+            "differed": [key for key, check in self.checks.items() if check.differed],
+        }
+        counts = {what: Counter(atom.partition("(")[0] for _, atom in atoms) for what, atoms in counted.items()}
+        words = sorted({word for count in counts.values() for word in count})
+        return {word: {what: count[word] for what, count in counts.items()} for word in words}
 
     def line(self) -> str:
         """One sentence for people."""

@@ -10,11 +10,10 @@ import re
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from pix2pred.vlm.offline.prompt_format import current_views
+from pix2pred.vlm.offline.prompt_format import current_views, executed_skills
 from pix2pred.vlm.request import VLM, Answer, Purpose, Request
 
 _VALUE = re.compile(r"^([* ]*)([A-Za-z_]\w*)\(([^()]*)\): (True|False)\b", re.MULTILINE)
-_ACTION = re.compile(r"^Executed skill: \w+\[(.*)\]$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,11 +131,10 @@ class UntilTouched:
         return f"UntilTouched:{self.rate}:{self.seed}"
 
     def notice(self, request: Request) -> None:
-        """Remember which objects the skill before the asked state was about."""
-        match = _ACTION.search(request.text)
+        """Remember which objects the skills before the asked states were about."""
         state = max((v.state for v in request.views), default=0)
-        if match is not None:
-            self._touched[state] = frozenset(part.partition(":")[0].strip() for part in match[1].split(","))
+        for i, (_, names) in enumerate(reversed(executed_skills(request.text))):
+            self._touched[state - i] = frozenset(names)
 
     def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         touches = sum(not names.isdisjoint(asked.names) for t, names in self._touched.items() if t <= asked.state)

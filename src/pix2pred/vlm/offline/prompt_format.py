@@ -18,6 +18,7 @@ _HISTORY_LINE = re.compile(
 _CHANGE = re.compile(r"; (\d+) (True|False|Unknown)")
 _DEFINED = re.compile(r"<defined>\n(.*?)\n</defined>", re.DOTALL)
 _DEFINED_LINE = re.compile(r"^- ([A-Za-z_]\w*)(\([^:]*\)):", re.MULTILINE)
+_SKILL_LINE = re.compile(r"^(?:Executed skill:|\d+\.) (\w+)\[([^\[\]]*)\]$", re.MULTILINE)
 _NAMES = {True: "True", False: "False", None: "Unknown"}
 
 
@@ -48,6 +49,14 @@ class KnownWord:
 def object_types(text: str) -> dict[str, str]:
     """The prompt's objects and their types."""
     return dict(_OBJECT_LINE.findall(text))
+
+
+def executed_skills(text: str) -> list[tuple[str, tuple[str, ...]]]:
+    """The skills between the states that a prompt shows, in their order, each with the names of its objects."""
+    return [
+        (skill, tuple(part.partition(":")[0].strip() for part in objects.split(",") if part.strip()))
+        for skill, objects in _SKILL_LINE.findall(text)
+    ]
 
 
 def asked_atoms(text: str) -> Iterator[AskedAtom]:

@@ -15,7 +15,7 @@ from pix2pred.vlm.distilled.fitting.components import region_code, spreads_in_ke
 from pix2pred.vlm.distilled.fitting.lesson import FitSettings, Lesson, LessonError
 from pix2pred.vlm.distilled.fitting.rows import Row, RowsOfKinds, Seen, folds_of, rows_by_kinds, see_rows, thinned
 from pix2pred.vlm.distilled.fitting.teaching import Ints, TaughtWord, WordRows, teach
-from pix2pred.vlm.distilled.machine import Layout, squared_distances
+from pix2pred.vlm.distilled.machine import Compared, Layout, Rows
 from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, Taught
 from pix2pred.vlm.distilled.regions import Kinds, kinds_of_regions
 from pix2pred.vlm.distilled.sight import Array
@@ -104,7 +104,7 @@ def _fit(lesson: Lesson, settings: FitSettings, progress: Progress) -> Fitted:
         model, strange = _kinds_model(kinds, seen, regions, folds)
         taught = {word: _teach(model, group, word, folds, settings) for word in sorted(group.labels)}
         kinds_models[kinds] = KindsModel(
-            model.layout, model.rows, model.relation, model.nearest,
+            model.rows, model.relation, model.nearest,
             {word: Taught(t.machine, t.calibration) for word, t in taught.items()},
         )  # fmt: skip
         results += [_result(word, kinds, t, _by_unit(group, strange), bars) for word, t in taught.items()]
@@ -171,7 +171,7 @@ def _kinds_model(kinds: Kinds, seen: Seen, regions: Mapping[str, RegionCode], fo
     usual = max(_LEAST_NEAREST, float(np.quantile(nearest, USUAL_NEAREST)))
     strange = np.maximum(strange, np.sqrt(nearest / usual)).astype(np.float32)
     relation = np.stack([mean, deviation]) if relations.shape[1] else np.zeros((2, 0))
-    return KindsModel(layout, rows, relation.astype(np.float32), usual, {}), strange
+    return KindsModel(Rows(layout, rows), relation.astype(np.float32), usual, {}), strange
 
 
 def _nearest(layout: Layout, rows: Array, folds: Ints, copies: int) -> Array:
@@ -179,19 +179,18 @@ def _nearest(layout: Layout, rows: Array, folds: Ints, copies: int) -> Array:
     count = len(folds)
     everywhere = np.tile(folds, copies)
     nearest = np.zeros(count, dtype=np.float32)
-    columns = list(range(rows.shape[1]))
     for fold in np.unique(folds):
         out = np.flatnonzero(folds == fold)
         others = rows[everywhere != fold]
         if len(others):
-            nearest[out] = squared_distances(layout, columns, rows[out], others).min(axis=1)
+            nearest[out] = Compared(rows[out], Rows(layout, others)).squared(layout.parts).min(axis=1)
     return nearest
 
 
 def _teach(model: KindsModel, group: RowsOfKinds, word: str, folds: Ints, settings: FitSettings) -> TaughtWord:
     labels, rows = group.labels[word], list(group.rows)
     indices = np.array([i for i, row in enumerate(rows) if row in labels])
-    copies = len(model.rows) // len(rows)
+    copies = len(model.rows.codes) // len(rows)
     unit = _units(rows)
     own = [labels[rows[i]] for i in indices]
     everywhere = np.concatenate([indices + c * len(rows) for c in range(copies)])
@@ -203,7 +202,7 @@ def _teach(model: KindsModel, group: RowsOfKinds, word: str, folds: Ints, settin
         np.tile([unit[rows[i].look, rows[i].names] for i in indices], copies),
         everywhere < len(rows),
     )
-    return teach(model.layout, model.rows, mine, np.random.default_rng([settings.seed, 2]))
+    return teach(model.rows, mine, np.random.default_rng([settings.seed, 2]))
 
 
 def _units(rows: Sequence[Row]) -> dict[tuple[int, tuple[str, ...]], int]:

@@ -16,7 +16,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from pix2pred.vlm.distilled.calibration import Calibration, calibrate
-from pix2pred.vlm.distilled.machine import Kernel, Layout, WordMachine, gram
+from pix2pred.vlm.distilled.machine import Compared, Kernel, Layout, Rows, WordMachine
 from pix2pred.vlm.distilled.model import joint
 from pix2pred.vlm.distilled.sight import Array
 
@@ -70,29 +70,35 @@ class TaughtWord:
     labels: Bools
 
 
-def teach(layout: Layout, codes: Array, mine: WordRows, rng: np.random.Generator) -> TaughtWord:
+def teach(rows: Rows, mine: WordRows, rng: np.random.Generator) -> TaughtWord:
     """The best machine for one word, of the kernels and ridges that are tried."""
     chosen = _sample(mine, rng)
     tried = mine.part(chosen)
-    candidates = list(_candidates(layout, codes[tried.rows]))
+    own, few = _among_themselves(rows, mine), _among_themselves(rows, tried)
+    candidates = list(_candidates(few.rows))
     truth = mine.labels.astype(np.float64)
     for number in range(_ROUNDS):
         if number < _CHOSEN_AGAIN:
-            qualities = [_quality(layout, codes, tried, truth[chosen], *candidate) for candidate in candidates]
+            qualities = [_quality(few, tried, truth[chosen], *candidate) for candidate in candidates]
             kernel, ridge = candidates[int(np.argmax(qualities))]
-        scores, weights = _left_out(layout, codes, mine, truth, kernel, ridge)
+        scores, weights = _left_out(own, mine, truth, kernel, ridge)
         units, joined, labels, trust = _by_unit(mine, scores)
         calibration = calibrate(joined, labels, trust).curve
         known = dict(zip(units.tolist(), calibration.truth(joined, labels), strict=True))
         truth = np.array([known[int(unit)] for unit in mine.units])
-    everywhere = np.zeros(len(codes), dtype=np.float32)
+    everywhere = np.zeros(len(rows.codes), dtype=np.float32)
     everywhere[mine.rows] = weights
     return TaughtWord(WordMachine(kernel, everywhere), calibration, units, joined, labels)
 
 
-def _candidates(layout: Layout, codes: Array) -> Iterator[tuple[Kernel, float]]:
-    for parts in _choices_of_parts(layout):
-        usual = _usual_distance(layout, codes, parts)
+def _among_themselves(rows: Rows, mine: WordRows) -> Compared:
+    own = rows.codes[mine.rows]
+    return Compared(own, Rows(rows.layout, own))
+
+
+def _candidates(rows: Rows) -> Iterator[tuple[Kernel, float]]:
+    for parts in _choices_of_parts(rows.layout):
+        usual = _usual_distance(rows, parts)
         for (linear, scale), ridge in product(MIXTURES, RIDGES):
             yield Kernel(linear, scale * usual, parts), ridge
 
@@ -105,10 +111,8 @@ def _choices_of_parts(layout: Layout) -> list[tuple[str, ...]]:
     return list(dict.fromkeys((everything, placeless, close)))
 
 
-def _usual_distance(layout: Layout, codes: Array, parts: Sequence[str]) -> float:
-    columns = layout.columns(parts)
-    variances = codes[:, columns].astype(np.float64).var(axis=0) * layout.shares()[columns]
-    return max(1e-3, float(2 * variances.sum() / len(parts)))
+def _usual_distance(rows: Rows, parts: Sequence[str]) -> float:
+    return max(1e-3, float(2 * rows.codes.astype(np.float64).var(axis=0) @ rows.layout.mean_of(parts)))
 
 
 def _sample(mine: WordRows, rng: np.random.Generator) -> Bools:
@@ -120,24 +124,21 @@ def _sample(mine: WordRows, rng: np.random.Generator) -> Bools:
     return kept if enough else np.ones(len(kept), dtype=np.bool_)
 
 
-def _quality(layout: Layout, codes: Array, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float) -> float:
+def _quality(own: Compared, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float) -> float:
     """How well scores of demonstrations left out foretell their labels: logarithm of likelihood."""
-    scores, _ = _left_out(layout, codes, mine, truth, kernel, ridge)
+    scores, _ = _left_out(own, mine, truth, kernel, ridge)
     _, joined, labels, trust = _by_unit(mine, scores)
     return calibrate(joined, labels, trust).likelihood
 
 
-def _left_out(
-    layout: Layout, codes: Array, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float
-) -> tuple[Floats, Array]:
+def _left_out(own: Compared, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float) -> tuple[Floats, Array]:
     """Scores of every row when its demonstration is left out, and the weights of rows when none is.
 
     ``truth`` is how probably the atom of each row is true.
     """
     yes, no = (max(float(part.sum()), _LEAST_MASS) for part in (mine.weights * truth, mine.weights * (1 - truth)))
     mass = mine.weights * (truth / yes + (1 - truth) / no) * (yes + no) / 2
-    own = codes[mine.rows]
-    matrix = gram(kernel, layout, own, own).astype(np.float64) + ridge * np.diag(mass.mean() / mass)
+    matrix = own.gram(kernel).astype(np.float64) + ridge * np.diag(mass.mean() / mass)
     target = 2 * truth - 1
     inverse = scipy.linalg.inv(matrix, check_finite=False)
     weights = inverse @ target
