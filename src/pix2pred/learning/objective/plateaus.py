@@ -100,11 +100,12 @@ class Plateaus:
         after = self._estimate.after
         copies: dict[int, int] = {}
         estimates: list[int | None] = []
+        name = self._orbits.name if self._orbits is not None else None
         for pre, add, keep, k, equal in self._operators:
             if not pre & missing:
                 successor = state & keep | add
-                if self._orbits:  # the first that was seen stands for all like it
-                    successor = self._first.setdefault(self._orbits.name(successor), successor)
+                if name is not None:  # the first that was seen stands for all like it
+                    successor = self._first.setdefault(name(successor), successor)
                 if successor in copies:
                     copies[successor] += equal
                 else:
