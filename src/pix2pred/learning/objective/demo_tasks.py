@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from math import prod
 
 from pix2pred.learning.objective.relevant import GroundBits, relevant_task
+from pix2pred.learning.objective.symmetries import DemoTask, LiftedFact
 from pix2pred.learning.operators.transition_class import Lifted, OperatorSchema, to_operator
 from pix2pred.learning.transitions import IndexedTable, ObjectIds
-from pix2pred.planning import Strips, ground
+from pix2pred.planning import ground
 from pix2pred.structs import Atom, Type
 
 MAX_INSTANCES = 20_000
@@ -35,7 +36,8 @@ class SharedGroundings:
     """Objects of given types, numbered from 0, with one numbering of their facts and remembered groundings."""
 
     def __init__(self, types: Sequence[Type]) -> None:
-        self._types = types
+        self.types = types
+        self.atoms: list[LiftedFact] = []
         self._of_type: dict[Type, list[int]] = {}
         self._bit: dict[tuple[int, ObjectIds], int] = {}
         self._effects: dict[int, tuple[object, _Grounding]] = {}
@@ -47,6 +49,7 @@ class SharedGroundings:
         found = self._bit.get(key)
         if found is None:
             found = self._bit[key] = 1 << len(self._bit)
+            self.atoms.append(key)
         return found
 
     def instances(self, schema: OperatorSchema) -> int:
@@ -78,7 +81,7 @@ class SharedGroundings:
 
     def _domain(self, t: Type) -> list[int]:
         if t not in self._of_type:
-            self._of_type[t] = [o for o, own in enumerate(self._types) if own.is_a(t)]
+            self._of_type[t] = [o for o, own in enumerate(self.types) if own.is_a(t)]
         return self._of_type[t]
 
     def _lifted(self, atoms: Sequence[Lifted], binding: ObjectIds) -> int:
@@ -115,7 +118,7 @@ class SetTasks:
         self.operators = operators
         self.predicates = predicates
         self.grounded: dict[int, tuple[list[GroundBits], int] | None] = {}
-        self.known: dict[tuple[int, int, int], Strips | None] = {}
+        self.known: dict[tuple[int, int, int], DemoTask | None] = {}
 
 
 class DemoTasks:
@@ -126,7 +129,7 @@ class DemoTasks:
         groundings: dict[tuple[Type, ...], SharedGroundings] = {}
         self._demos = [self._number(d, groundings) for d in range(len(data.demos))]
 
-    def task(self, of_set: SetTasks, d: int) -> Strips | None:
+    def task(self, of_set: SetTasks, d: int) -> DemoTask | None:
         """The relevant part of demonstration ``d`` over the predicates of a set; ``None`` if its goal is unreachable.
 
         Raises ``GroundingBudgetError`` when too many instances are reachable.
@@ -144,7 +147,9 @@ class DemoTasks:
             initial |= demo.facts[p] if p in demo.facts else self._facts(demo, d, p)
         key = (shared, initial & (wanted | demo.goal), demo.goal)
         if key not in of_set.known:
-            of_set.known[key] = relevant_task(instances, key[1], demo.goal)
+            of_set.known[key] = relevant_task(
+                instances, key[1], demo.goal, demo.groundings.atoms, demo.groundings.types
+            )
         return of_set.known[key]
 
     def _number(self, d: int, groundings: dict[tuple[Type, ...], SharedGroundings]) -> _NumberedDemo:
@@ -170,7 +175,7 @@ class DemoTasks:
         demo.facts[predicate] = found
         return found
 
-    def _reachable_task(self, of_set: SetTasks, d: int) -> Strips | None:
+    def _reachable_task(self, of_set: SetTasks, d: int) -> DemoTask | None:
         data, demo = self._data, self._data.demos[d]
 
         def atom(predicate: int, objects: ObjectIds) -> Atom:

@@ -35,6 +35,7 @@ class ExpectedNodes:
     - Of a larger one at most ``most_children`` are looked at; more count as a budget hit, since a search would create
       many nodes for each of them.
     - When its first goal is found is the mean of ``samples`` searches that create some ``most_sampled`` nodes at most.
+    - ``symmetries_after``: states looked at before interchangeable objects are looked for, which takes about as long.
     - ``near_tie``: see ``DemoObjective``.
     """
 
@@ -45,12 +46,13 @@ class ExpectedNodes:
     most_children: int = 50_000
     samples: int = 16
     most_sampled: int = 20_000
+    symmetries_after: int = 100
     near_tie: float = 1.0
 
     def __call__(self, task: Strips | None, states: int, bound: float) -> DemoScore:
         if task is None:
             return UNREACHABLE
-        search = Plateaus(task)
+        search = Plateaus(task, self.symmetries_after)
         effort = Effort(states, self.max_plans)
         while search.open:
             f = min(search.open)

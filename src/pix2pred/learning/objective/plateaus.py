@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from random import Random
 
 import numpy as np
 
+from pix2pred.learning.objective.symmetries import DemoTask, Orbits
 from pix2pred.planning import LMCut, Strips
 
 Counts = dict[int, float]
@@ -17,6 +18,9 @@ Counts = dict[int, float]
 
 Node = tuple[int, int]
 """(g, state)."""
+
+Child = tuple[int, int, int | None]
+"""Number of equal children, their state, its estimate."""
 
 DEEPEST = 400
 """Steps of a plan up to which goals are looked for depth first: Python's stack is the limit."""
@@ -59,23 +63,55 @@ class Expanded:
 
 
 class Plateaus:
-    """Open nodes by f; ``nodes`` counts created tree nodes."""
+    """Open nodes by f; ``nodes`` counts created tree nodes.
 
-    def __init__(self, task: Strips) -> None:
+    Once ``symmetries_after`` states were looked at, states alike up to the names of objects count as one.
+    """
+
+    def __init__(self, task: Strips, symmetries_after: int) -> None:
+        self._symmetries_after = symmetries_after
+        self._task = task
         self._goal = task.goal
         self._operators, self._estimate = _without_copies(task)
         h = self._estimate(task.initial)
         self.open: dict[int, dict[Node, float]] = {} if h is None else {h: {(0, task.initial): 1.0}}
         self.nodes = 1.0
+        self._known: dict[int, list[Child]] = {}
+        self._orbits: Orbits | None = None
+        self._first: dict[int, int] = {}
 
-    def _children(self, state: int) -> Iterator[tuple[int, int, int | None]]:
-        """(number of equal children, their state, its estimate) for every applicable operator."""
+    def _children(self, state: int) -> list[Child]:
+        """The different children of ``state``, looked at once."""
+        if state not in self._known:
+            if len(self._known) == self._symmetries_after and isinstance(self._task, DemoTask):
+                self._find_orbits(self._task)
+            self._known[state] = self._look_at(state)
+        return self._known[state]
+
+    def _find_orbits(self, task: DemoTask) -> None:
+        orbits = Orbits(task)
+        if orbits:
+            self._orbits = orbits
+            for state in self._known:
+                self._first.setdefault(orbits.name(state), state)
+
+    def _look_at(self, state: int) -> list[Child]:
         missing = ~state
         after = self._estimate.after
-        for pre, add, keep, k, copies in self._operators:
+        copies: dict[int, int] = {}
+        estimates: list[int | None] = []
+        name = self._orbits.name if self._orbits is not None else None
+        for pre, add, keep, k, equal in self._operators:
             if not pre & missing:
                 successor = state & keep | add
-                yield copies, successor, after(state, k, successor)
+                if name is not None:  # the first that was seen stands for all like it
+                    successor = self._first.setdefault(name(successor), successor)
+                if successor in copies:
+                    copies[successor] += equal
+                else:
+                    copies[successor] = equal
+                    estimates.append(after(state, k, successor))
+        return [(n, successor, h) for (successor, n), h in zip(copies.items(), estimates, strict=True)]
 
     def goals(self, f: int, wanted: float, most_states: int) -> float | None:
         """The number of goal nodes on the plateau of ``f``, or some number that is at least ``wanted``.
@@ -212,14 +248,18 @@ SearchOperator = tuple[int, int, int, int, int]
 def _without_copies(task: Strips) -> tuple[list[SearchOperator], LMCut]:
     """The operators of a task, equal ones once, and the estimate with those that differ in their deletes alone once.
 
-    Facts that cannot matter were dropped, so that many instances have become equal. The estimate knows no deletes, and
-    its values are the same: equal operators are always in a landmark together.
+    Facts that cannot matter were dropped, so that many instances have become equal. The estimate needs the deletes only
+    to tell which facts can be lost, and its values are the same: equal operators are always in a landmark together.
     """
     counted = Counter(zip(task.pre, task.add, task.delete, strict=True))
     relaxed: dict[tuple[int, int], int] = {}
+    deletes: list[int] = []
     operators = []
     for (pre, add, delete), copies in counted.items():
         k = relaxed.setdefault((pre, add & ~pre), len(relaxed))
+        if k == len(deletes):
+            deletes.append(0)
+        deletes[k] |= delete
         operators.append((pre, add, ~delete, k, copies))
     pres, adds = tuple(pre for pre, _ in relaxed), tuple(add for _, add in relaxed)
-    return operators, LMCut(Strips(task.facts, pres, adds, (0,) * len(relaxed), task.initial, task.goal))
+    return operators, LMCut(Strips(task.facts, pres, adds, tuple(deletes), task.initial, task.goal))

@@ -4,17 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pix2pred.planning import Strips
+from pix2pred.learning.objective.symmetries import DemoTask, LiftedFact
+from pix2pred.planning.strips import bits
+from pix2pred.structs import Type
 
 GroundBits = tuple[int, int, int]
 """Preconditions, add effects and delete effects of a ground operator, as bits."""
 
 
-def relevant_task(operators: Sequence[GroundBits], initial: int, goal: int) -> Strips | None:
+def relevant_task(
+    operators: Sequence[GroundBits],
+    initial: int,
+    goal: int,
+    atoms: Sequence[LiftedFact] = (),
+    types: Sequence[Type] = (),
+) -> DemoTask | None:
     """The reachable part of a task without the facts that cannot matter; ``None`` if the goal is unreachable.
 
     Drops operators with preconditions that even a delete-free execution never reaches, facts that hold throughout,
-    and facts in no precondition or goal; renumbers what is left. No plan is gained or lost.
+    and facts in no precondition or goal; renumbers what is left. No plan is gained or lost. ``atoms`` tells what facts
+    are about, by their bits, and ``types`` of which types their objects are.
     """
     reached = initial
     waiting: Sequence[GroundBits] = operators
@@ -41,13 +50,15 @@ def relevant_task(operators: Sequence[GroundBits], initial: int, goal: int) -> S
     relevant = wanted & ~(initial & ~deleted)
     compact = _Compactor(relevant)
     projected = sorted((compact(pre), compact(add), compact(delete)) for pre, add, delete in used)
-    return Strips(
+    return DemoTask(
         compact.size,
         tuple(o[0] for o in projected),
         tuple(o[1] for o in projected),
         tuple(o[2] for o in projected),
         compact(initial),
         compact(goal),
+        atoms=tuple([atoms[i] for i in bits(relevant)]) if atoms else (),
+        types=tuple(types),
     )
 
 

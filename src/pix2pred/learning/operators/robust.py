@@ -148,11 +148,14 @@ class RobustOperators:
 
     def _required(self, cls: TransitionClass, p: int) -> list[tuple[int, ...]]:
         """The variables over which ``p`` is a precondition of ``cls``."""
-        counts = cls.counts_before(self.data, p)
-        n = len(cls.members)
-        if p in self._exact:
-            return [v for v, count in counts.items() if count == n]
-        return [v for v, count in counts.items() if 2 * count > n and self._always(cls, p, v)]
+        known = cls.memo.required
+        if p not in known:
+            counts, n = cls.counts_before(self.data, p), len(cls.members)
+            if p in self._exact:
+                known[p] = [v for v, count in counts.items() if count == n]
+            else:
+                known[p] = [v for v, count in counts.items() if 2 * count > n and self._always(cls, p, v)]
+        return known[p]
 
     def _always(self, cls: TransitionClass, p: int, variables: tuple[int, ...]) -> bool:
         """Whether "true in every member" explains the labels as well as "true in a share of them" (BIC)."""

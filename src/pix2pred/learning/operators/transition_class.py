@@ -24,12 +24,17 @@ class Member:
 
 @dataclass(slots=True)
 class MemberCache:
-    """What follows from a class's members alone: the variable of each object, and by predicate what holds before each
-    member and in how many. What a ``whole`` of which these ``members`` are a part knows is taken from there."""
+    """What follows from a class's members alone.
+
+    The variable of each object; by predicate what ``held`` before each member, in how many (``before``) and, as a
+    learner may remember, over which variables it is ``required``. What a ``whole`` of which these ``members`` are part
+    knows is taken from there.
+    """
 
     variables: list[dict[int, int]] = field(default_factory=list)
     held: dict[int, list[list[tuple[int, ...]]]] = field(default_factory=dict)
     before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
+    required: dict[int, list[tuple[int, ...]]] = field(default_factory=dict)
     whole: MemberCache | None = None
     members: Sequence[int] = ()
 

@@ -7,13 +7,20 @@ operator's preconditions supports it there changes neither admissibility nor the
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 
 from pix2pred.planning.heuristics.heuristic import Heuristic
 from pix2pred.planning.strips import Strips
 
+Way = tuple[int, int, int, "Edge"]
+"""How facts become true: preconditions, add effects, the operator's bit, its edge where the preconditions are free."""
+
 Edge = tuple[int, int, int]
 """(supporting precondition or 0, add effects, the operator's own bit): an operator in the justification graph."""
+
+Landmark = tuple[int, tuple[Way, ...]]
+"""The operators of a landmark as bits, and their ways."""
 
 
 class LMCut(Heuristic):
@@ -23,9 +30,12 @@ class LMCut(Heuristic):
         task = task.without_static_facts()
         self._goal = task.goal
         relaxed = task.relaxed()
-        self._operators = [(pre, add, 1 << k) for pre, add, k in relaxed]
-        self._free = sum({1 << k for _, _, k in relaxed if k >= len(task.pre)})
-        self._known: dict[int, tuple[int, ...] | None] = {}
+        self._ways: list[Way] = [(pre, add, 1 << k, (pre & -pre, add, 1 << k)) for pre, add, k in relaxed]
+        self._free = tuple([way for way in self._ways if way[2] >= 1 << len(task.pre)])
+        self._of_operator: dict[int, list[Way]] = defaultdict(list)
+        for way in self._ways:
+            self._of_operator[way[2]].append(way)
+        self._known: dict[int, tuple[Landmark, ...] | None] = {}
 
     def __call__(self, state: int) -> int | None:
         if state not in self._known:
@@ -39,70 +49,95 @@ class LMCut(Heuristic):
         Helmert, "Incremental LM-cut", 2013). Where estimates differ, so do ties: both are admissible.
         """
         if state not in self._known:
-            kept = tuple(cut for cut in self._known.get(parent) or () if not cut >> k & 1)
+            kept = tuple([cut for cut in self._known.get(parent) or () if not cut[0] >> k & 1])
             self._known[state] = self._cuts(state, kept)
         return _length(self._known[state])
 
-    def _cuts(self, state: int, landmarks: tuple[int, ...]) -> tuple[int, ...] | None:
-        """Disjoint landmarks of ``state``, beginning with ``landmarks``, until the goal costs nothing more."""
-        free = self._free
-        for landmark in landmarks:
-            free |= landmark
+    def _cuts(self, state: int, landmarks: tuple[Landmark, ...]) -> tuple[Landmark, ...] | None:
+        """Disjoint landmarks of ``state``, beginning with ``landmarks``, until the goal costs nothing more.
+
+        What is reached for nothing grows from landmark to landmark, and is reached by free operators alone: only where
+        that is not the goal are all operators looked at.
+        """
         found = list(landmarks)
+        free = sum([way[2] for way in self._free])
+        waiting = list(self._free)
+        for operators, ways in landmarks:
+            free |= operators
+            waiting += ways
+        reached = state
         while True:
-            goal_supporter, edges = self._justify(state, free)
+            reached, waiting = _reach(reached, waiting)
+            if not self._goal & ~reached:
+                return tuple(found)
+            goal_supporter, edges = self._justify(reached, waiting)
             if goal_supporter is None:
                 return None
-            if goal_supporter == 0:
-                return tuple(found)
             zone = _goal_zone(goal_supporter, [edge for edge in edges if edge[2] & free])
-            found.append(_cut(state, zone, edges))
-            free |= found[-1]
+            cut = _cut(state, zone, edges)
+            found.append((sum(cut), tuple([way for operator in cut for way in self._of_operator[operator]])))
+            free |= found[-1][0]
+            waiting += found[-1][1]
 
-    def _justify(self, state: int, free: int) -> tuple[int | None, list[Edge]]:
-        """The goal's supporter (0: goal reached for nothing, None: never reached) and the justification graph."""
+    def _justify(self, reached: int, free: Sequence[Way]) -> tuple[int | None, list[Edge]]:
+        """The goal's supporter (None: never reached) and the justification graph.
+
+        ``reached`` is what is reached for nothing, which is not the goal; ``free`` are free ways not yet usable there.
+        """
         goal = self._goal
-        reached, cheaper = state, 0
-        waiting: Sequence[tuple[int, int, int]] = self._operators
-        edges: list[Edge] = []
-        layer = 0
+        missing = ~reached
+        paid = 0
+        edges = []
+        waiting = []
+        for way in self._ways:
+            if way[0] & missing:
+                waiting.append(way)
+            else:
+                edges.append(way[3])
+                paid |= way[1]
         while True:
-            paid = 0
-            changed = True
-            while changed:
-                changed = False
-                missing = ~reached
-                still = []
-                for operator in waiting:
-                    pre, add, bit = operator
-                    if pre & missing:
-                        still.append(operator)
-                        continue
-                    supporter = pre & ~cheaper
-                    edges.append((supporter & -supporter, add, bit))
-                    if bit & free:
-                        if add & missing:
-                            reached |= add
-                            missing = ~reached
-                            changed = True
-                    else:
-                        paid |= add
-                waiting = still
-            if not goal & ~reached:
-                break
             cheaper = reached
-            reached |= paid
-            layer += 1
+            reached, free = _reach(reached | paid, free)
             if reached == cheaper:
                 return None, edges
-        for pre, add, bit in waiting:
-            supporter = pre & ~reached
+            missing = ~reached
+            if not goal & missing:
+                break
+            still = []
+            for way in waiting:
+                pre, add, bit, _ = way
+                if pre & missing:
+                    still.append(way)
+                else:
+                    supporter = pre & ~cheaper
+                    edges.append((supporter & -supporter, add, bit))
+                    paid |= add
+            waiting = still
+        dearer = ~cheaper
+        for pre, add, bit, _ in waiting:
+            supporter = pre & missing or pre & dearer
             edges.append((supporter & -supporter, add, bit))
-        goal_supporter = goal & ~cheaper if layer else 0
+        goal_supporter = goal & dearer
         return goal_supporter & -goal_supporter, edges
 
 
-def _length(landmarks: tuple[int, ...] | None) -> int | None:
+def _reach(reached: int, waiting: Sequence[Way]) -> tuple[int, list[Way]]:
+    """What is reached from ``reached`` by ``waiting``, and those of them whose preconditions are not."""
+    grown = True
+    while grown:
+        missing = ~reached
+        still = []
+        for way in waiting:
+            if way[0] & missing:
+                still.append(way)
+            else:
+                reached |= way[1]
+        grown = bool(reached & missing)
+        waiting = still
+    return reached, list(waiting)
+
+
+def _length(landmarks: tuple[Landmark, ...] | None) -> int | None:
     return None if landmarks is None else len(landmarks)
 
 
@@ -119,10 +154,10 @@ def _goal_zone(goal_supporter: int, free_edges: list[Edge]) -> int:
     return zone
 
 
-def _cut(state: int, zone: int, edges: list[Edge]) -> int:
-    """Operators that lead from the state's side of the justification graph into the goal zone."""
+def _cut(state: int, zone: int, edges: list[Edge]) -> list[int]:
+    """Bits of the operators that lead from the state's side of the justification graph into the goal zone."""
     before = state
-    cut = 0
+    cut = set()
     waiting = edges
     grown = True
     while grown:
@@ -134,9 +169,9 @@ def _cut(state: int, zone: int, edges: list[Edge]) -> int:
                 still.append(edge)
                 continue
             if add & zone:
-                cut |= bit
+                cut.add(bit)
             if add & ~zone & ~before:
                 before |= add & ~zone
                 grown = True
         waiting = still
-    return cut
+    return sorted(cut)
