@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
 
+from pix2pred.vlm.answers.renamed import RenamedQuestions
 from pix2pred.vlm.answers.store import AnswerStore
 from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, VLMError
 
@@ -48,11 +49,12 @@ class StoredVLM:
         self._ended: VLMError | None = None
         self._asking: defaultdict[str, threading.Lock] = defaultdict(threading.Lock)
         self._writable = False
+        self._renamed = RenamedQuestions(store)
 
     def answer(self, request: Request) -> Answer:
         """The stored answer if the mode allows, else the model's, stored before it is returned."""
         key = request.key(self.name)
-        if (stored := self._stored(key)) is not None:
+        if (stored := self._stored(key)) is not None or (stored := self._of_renamed(request)) is not None:
             return stored
         if self._mode == StoreMode.REPLAY:
             raise ReplayMissError(
@@ -75,6 +77,14 @@ class StoredVLM:
                 raise NoAnswerError(answer.text)
             return None
         return None if self._mode == StoreMode.RETRY and answer.finish != Finish.COMPLETE else answer
+
+    def _of_renamed(self, request: Request) -> Answer | None:
+        """The stored answer to the same question with other names of types, kept under this question's key too."""
+        if self._mode == StoreMode.LIVE or (key := self._renamed.key(request, self.name)) is None:
+            return None
+        if (answer := self._stored(key)) is not None and self._mode != StoreMode.REPLAY:
+            self._store.put(request, self.name, answer)
+        return answer
 
     def _ask(self, request: Request) -> Answer:
         if not self._writable:
