@@ -203,15 +203,16 @@ def main() -> None:
     else:
         model, _ = learned(domain, given.family, given.seed, given.train_rate, given.operators, given.out)
     counts, met = dict.fromkeys(model.invariants, 0), set[AbstractState]()
-    for objects, state in islice(reachable(domain, given.family, model, given.seed), given.states):
+    walked = given.states if counts else 0
+    for objects, state in islice(reachable(domain, given.family, model, given.seed), walked):
         met.add(state)
         for invariant in counts:
             counts[invariant] += broken(invariant, objects, state)
     for invariant, number in counts.items():
-        print(f"{invariant} (support {invariant.support}): broken in {number} of {given.states} states")
+        print(f"{invariant} (support {invariant.support}): broken in {number} of {walked} states")
     result = {
         "domain": given.domain, "family": given.family, "seed": given.seed, "labels": given.labels,
-        "invariants": len(counts), "refuted": sum(n > 0 for n in counts.values()), "states": given.states,
+        "invariants": len(counts), "refuted": sum(n > 0 for n in counts.values()), "states": walked,
         "different": len(met), "broken": {str(i): n for i, n in counts.items() if n},
     }  # fmt: skip
     with (given.out / "invariants.jsonl").open("a") as stream:
