@@ -6,7 +6,7 @@ The offline reader answers, some of its labels turned round (``--flip``), and ev
 been sent to ``--model``: text by characters, pictures by the provider's rule, dollars by the installed price list.
 Learning and the first states of ``--count`` unseen tasks are counted together. ``chain`` is the largest number of
 questions of which each needs the answer to the one before. With ``--json`` the last line is one object with the figures
-by protocol.
+by protocol. With ``--out FILE`` every run is a line of that file, and those that are in it are not repeated.
 """
 
 from __future__ import annotations
@@ -17,25 +17,33 @@ import threading
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path
 from typing import Any
 
 from pix2pred.execution import Solver
 from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY
-from pix2pred.settings import Layer, resolve
+from pix2pred.settings import Layer, of_project, resolve
+from pix2pred.structs.environment import asking_settings
 from pix2pred.vlm import VLM, Answer, Purpose, Request
 from pix2pred.vlm.control.estimate import EstimatingVLM
 from pix2pred.vlm.noise.flips import FlippingVLM
 
+Row = dict[str, Any]
 PROTOCOLS: dict[str, dict[str, Any]] = {
     "published": {},
     "without-double-check": {"labels": {"double_check": False}},
     "frugal": {"labels": {"protocol": "frugal"}},
 }
 FAMILIES = {
-    "more-stacks": "burger", "bigger": "burger", "combo": "burger", "boil": "kitchen", "three-cups": "coffee",
+    "more-stacks": ("burger", "more-stacks"), "bigger": ("burger", "bigger"), "combo": ("burger", "combo"),
+    "boil": ("kitchen", "boil"), "three-cups": ("coffee", "three-cups"),
+    "cleanup": ("cleanup", "new-objects"), "juice": ("juice", "new-objects"),
 }  # fmt: skip
+"""What is measured, as domain and family of tasks."""
+
 IN_ORDER = (Purpose.LABEL, Purpose.DOUBLE_CHECK, Purpose.HISTORY)
 SUMMED = (
     "dollars",
@@ -89,24 +97,22 @@ class Unstored:
         return Answer(self._model.answer(request).text)
 
 
-def run(
-    protocol: str, family: str, seed: int, flip: float, count: int, model: str, given: Sequence[Layer]
-) -> dict[str, Any]:
+def run(protocol: str, family: str, seed: int, flip: float, count: int, given: Sequence[Layer], model: str) -> Row:
     """The figures of one family and seed."""
-    name = FAMILIES[family]
+    name, tasks_of = FAMILIES[family]
     domain = REGISTRY.domain(name)
-    settings = resolve(
-        Layer({"learning": dict(domain.settings(family))}, "the domain"), Layer(PROTOCOLS[protocol], protocol), *given
-    )
+    project = {"learning": dict(domain.settings(tasks_of)), **asking_settings(domain, tasks_of)}
+    settings = resolve(of_project(project), Layer(PROTOCOLS[protocol], protocol), *given)
     reader = REGISTRY.vlm("offline", name)
     answering = FlippingVLM(reader, flip, seed) if flip else reader
     counting = EstimatingVLM(lambda counted: counted(Unstored(answering)), REGISTRY.model_spec(model).rates)
     chains = Chains(counting)
-    learned = learn(LearningProblem(domain.vocabulary(family), domain.demonstrations(family, seed), chains, settings))
+    demos = tuple(domain.demonstrations(tasks_of, seed))
+    learned = learn(LearningProblem(domain.vocabulary(tasks_of), demos, chains, settings))
     longest = chains.longest
     labeller = labeller_for(chains, settings.labels)
     solver = Solver(learned.model, REGISTRY.planner("portfolio"), labeller, samplers=learned.samplers)
-    tasks = domain.tasks(family, seed, count)
+    tasks = domain.tasks(tasks_of, seed, count)
     solved = sum(solver.solve(t.task, domain.environment(t.task, t.simulator)).solved for t in tasks)
     spent = counting.as_dict()
     return {
@@ -119,10 +125,42 @@ def run(
     }  # fmt: skip
 
 
-def summed(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def summed(rows: Sequence[Row]) -> Row:
     """The sums over ``rows``, and the longest chain of any."""
     total = {key: sum(row[key] for row in rows) for key in SUMMED}
     return total | {"dollars": round(total["dollars"], 4), "chain": max(row["chain"] for row in rows)}
+
+
+def line(row: Row) -> str:
+    """A row of the printed table."""
+    tokens = f"{row['input_tokens'] / 1e3:.0f}k + {row['output_tokens'] / 1e3:.0f}k"
+    return (
+        f"| {row['protocol']} | {row['family']} | {row['seed']} | {row['flip']:.0%} | {row['dollars']:.2f} | "
+        f"{row['questions']} | {row['atoms']} | {tokens} | {row['chain']} | {row['solved']} of {row['tasks']} | "
+        f"{', '.join(row['selected'])} |"
+    )
+
+
+def shares(rows: Sequence[Row]) -> str:
+    """Means per run by family and protocol, the share of the published dollars, and what was solved."""
+    lines = [
+        "| family | protocol | dollars | share | questions | atoms | tokens in + out | cached | chain | solved |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for family in dict.fromkeys(r["family"] for r in rows):
+        published = [r["dollars"] for r in rows if r["family"] == family and r["protocol"] == "published"]
+        for protocol in dict.fromkeys(r["protocol"] for r in rows):
+            if not (mine := [r for r in rows if r["family"] == family and r["protocol"] == protocol]):
+                continue
+            total, n = summed(mine), len(mine)
+            share = total["dollars"] / n / (sum(published) / len(published)) if published else float("nan")
+            lines.append(
+                f"| {family} | {protocol} | {total['dollars'] / n:.2f} | {share:.1%} | {total['questions'] / n:.0f} | "
+                f"{total['atoms'] / n:,.0f} | {total['input_tokens'] / n / 1e3:.0f}k + "
+                f"{total['output_tokens'] / n / 1e3:.0f}k | {total['cached_tokens'] / n / 1e3:.0f}k | "
+                f"{total['chain']} | {total['solved']} of {total['tasks']} |"
+            )
+    return "\n".join(lines)
 
 
 def main() -> None:
@@ -135,26 +173,29 @@ def main() -> None:
     parser.add_argument("--model", default="openai:gpt-4o", help="whose prices are counted")
     parser.add_argument("--operators", default="robust", help="the learner, the same for every protocol")
     parser.add_argument("--config", default="{}", help="settings on top, as JSON")
+    parser.add_argument("--out", type=Path, help="a file with a line per run; runs in it are not repeated")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
-    rows = []
     learner = {"learning": {"operators": arguments.operators}}
     given = [Layer(learner, "--operators"), Layer(json.loads(arguments.config), "--config")]
+    kept: Path | None = arguments.out
+    done = [json.loads(text) for text in kept.read_text().splitlines()] if kept and kept.exists() else []
+    rows = []
     print("| protocol | family | seed | flipped | dollars | questions | atoms | tokens | chain | solved | selected |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
-    for family in arguments.families:
-        for seed in arguments.seeds:
-            for flip in arguments.flip:
-                for protocol in arguments.protocols:
-                    row = run(protocol, family, seed, flip, arguments.count, arguments.model, given)
-                    rows.append(row)
-                    tokens = f"{row['input_tokens'] / 1e3:.0f}k + {row['output_tokens'] / 1e3:.0f}k"
-                    print(
-                        f"| {protocol} | {family} | {seed} | {flip:.0%} | {row['dollars']:.2f} | {row['questions']} | "
-                        f"{row['atoms']} | {tokens} | {row['chain']} | {row['solved']} of {row['tasks']} | "
-                        f"{', '.join(row['selected'])} |",
-                        flush=True,
-                    )
+    for family, seed, flip, protocol in product(
+        arguments.families, arguments.seeds, arguments.flip, arguments.protocols
+    ):
+        wanted = {"protocol": protocol, "family": family, "seed": seed, "flip": flip}
+        row = next((r for r in done if wanted.items() <= r.items()), None)
+        if row is None:
+            row = run(protocol, family, seed, flip, arguments.count, given, arguments.model)
+            if kept:
+                with kept.open("a") as stream:
+                    stream.write(json.dumps(row) + "\n")
+        rows.append(row)
+        print(line(row), flush=True)
+    print(shares(rows))
     result = {p: summed([r for r in rows if r["protocol"] == p]) for p in arguments.protocols}
     if arguments.json:
         print(json.dumps(result))

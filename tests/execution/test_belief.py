@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pix2pred.execution.belief.belief import Belief, Reading
-from pix2pred.execution.belief.constraints import Constraints
+from pix2pred.execution.belief.constraints import Constraints, Group
 from pix2pred.execution.belief.evidence import Answers, log_odds, probability_of
 from pix2pred.execution.belief.perception import AtTheirWord, Believing
 from pix2pred.execution.pursuit import GivenUpError, GivingUp, Pursuit, nearest_plan, safer_plan
@@ -181,6 +182,23 @@ def test_messages_of_a_group_are_the_exact_posterior(odds: list[float], holding:
     weight = {True: 1.0, False: 1 / (ONE_HAND.support + 2)}
     expected = odds[0] + math.log(weight[len(certain) == 0]) - math.log(weight[len(certain) == 1])
     assert constraints.informed(odds)[0] == pytest.approx(expected, abs=0.01)
+
+
+@given(st.lists(st.floats(-4, 4), min_size=1, max_size=4), st.integers(0, 2), st.booleans(), st.floats(1e-3, 0.2))
+def test_given_members_settle_a_group_as_counting_worlds_does(
+    odds: list[float], given: int, exactly: bool, broken: float
+) -> None:
+    """Messages of a group of uncertain members and two given ones, of which ``given`` hold, by its worlds."""
+    count = len(odds)
+    group = Group(tuple(range(count + 2)), exactly, broken)
+    settled = [g.messages(odds) for g in group.settled(count, set(range(count, count + given)))]
+    for i, message in enumerate(settled[0] if settled else [0.0] * count):
+        totals = dict.fromkeys((True, False), 0.0)
+        for world in product((True, False), repeat=count):
+            held = sum(world) + given
+            weight = 1.0 if held == 1 or (held == 0 and not exactly) else broken
+            totals[world[i]] += weight * math.exp(sum(o for j, o in enumerate(odds) if world[j] and j != i))
+        assert message == pytest.approx(math.log(totals[True]) - math.log(totals[False]), abs=1e-6)
 
 
 def test_probabilities_and_log_odds_are_inverse() -> None:

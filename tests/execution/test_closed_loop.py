@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,9 @@ from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.structs import AbstractState, Episode, State, Turn, WorldModel
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.views import View
+from pix2pred.vlm import VLM, Answer, Request
+from pix2pred.vlm.answers.store import AnswerStore
+from pix2pred.vlm.answers.stored import StoredVLM
 from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
 
 WORDS = {"cooked": "cooked", "hand_free": "hand_empty"}
@@ -60,7 +64,12 @@ class Watched(BurgerEnvironment):
 
 
 def solve(
-    *, closed_loop: bool, disturb: float = 0.0, flip: float = 0.0, wrong_first: frozenset[str] = frozenset()
+    *,
+    closed_loop: bool,
+    disturb: float = 0.0,
+    flip: float = 0.0,
+    wrong_first: frozenset[str] = frozenset(),
+    around: Callable[[VLM], VLM] = lambda vlm: vlm,
 ) -> Episode:
     environment = Watched(BurgerDomain().environment(task().task, task().simulator, disturb))
     environment.observe()
@@ -71,7 +80,7 @@ def solve(
         value = concept_value(world, WORDS[word], names)
         return value != (world == first and f"{word}({', '.join(names)})" in wrong_first)
 
-    oracle = NoisyOracle([], truth, NoiseRates(flip=flip), seed=1)
+    oracle = around(NoisyOracle([], truth, NoiseRates(flip=flip), seed=1))
     solver = Solver(model(), Planner(GreedyBestFirst()), Labeller(oracle, LabelSettings(crops=False)), closed_loop)
     return solver.solve(task().task, environment)
 
@@ -108,6 +117,44 @@ def test_disturbances_break_open_loop_plans_and_replanning_mends_them() -> None:
     blind, looking = solve(closed_loop=False, disturb=0.2), solve(closed_loop=True, disturb=0.2)
     assert not blind.solved
     assert looking.solved and looking.replans >= 1
+
+
+@dataclass
+class Mortal:
+    """A model behind a store that is interrupted after so many answers."""
+
+    inner: VLM
+    lives: int
+
+    @property
+    def name(self) -> str:
+        return self.inner.name
+
+    def answer(self, request: Request) -> Answer:
+        if self.lives == 0:
+            raise KeyboardInterrupt
+        self.lives -= 1
+        return self.inner.answer(request)
+
+
+def test_an_interrupted_episode_with_wrong_labels_resumes_to_the_same_steps_and_bytes(tmp_path: Path) -> None:
+    def run(folder: str, lives: int = 1000) -> Episode:
+        def around(vlm: VLM) -> VLM:
+            return Mortal(StoredVLM(vlm, AnswerStore(tmp_path / folder)), lives)
+
+        return solve(closed_loop=True, disturb=0.1, flip=0.1, around=around)
+
+    def kept(folder: str) -> dict[str, bytes]:
+        files = sorted(p for p in (tmp_path / folder).rglob("*") if p.is_file())
+        return {str(p.relative_to(tmp_path / folder)): p.read_bytes() for p in files}
+
+    whole = run("whole")
+    assert whole.questions and whole.replans, "the episode asks again and plans again, or the test shows nothing"
+    for lives in (1, 9, 20):
+        with pytest.raises(KeyboardInterrupt):
+            run("parts", lives)
+    assert run("parts") == whole == run("parts")
+    assert kept("parts") == kept("whole")
 
 
 def test_a_wrong_first_label_is_noticed_and_put_right() -> None:

@@ -9,7 +9,8 @@ from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, re
 from pix2pred.predicates.frugal.histories import HistoryFormat
 from pix2pred.predicates.frugal.proposing import lift_words, new_kinds, propose_words, read_words
 from pix2pred.predicates.labelling.asking import Occurrence
-from pix2pred.structs import Action, Demo, FromVLM, Label, Predicate, Skill
+from pix2pred.predicates.prompt import kind_lines
+from pix2pred.structs import Action, Demo, FromVLM, Label, Object, Predicate, Skill, Type
 from pix2pred.vlm import Purpose, Request
 from predicates.scripted import COOKED, HOLDING, OBJECTS, P1, PATTY, PICK, R, ScriptedVLM, demo, state
 
@@ -65,9 +66,52 @@ def test_a_later_question_tells_the_words_so_far_and_only_new_kinds_are_asked_ab
     proposals = propose_words(demos, vlm, ProposalSettings())
     first, second = vlm.asked
     assert "(nothing)\n</defined>" in first.text
-    assert "<defined>\n- cooked(patty): The patty is brown, also while it is held.\n- meaty" in second.text
+    assert (
+        "<defined>\n- cooked(patty) | CHANGES | The patty is brown, also while it is held. | also: grilled, browned | "
+        "opposite: raw\n- meaty(patty) | STAYS | It is made of meat.\n</defined>"
+    ) in second.text
+    assert [view.heading for view in second.views] == ["state 0, camera main", "state 1 after skill 0, camera main"]
     assert "- Wipe(patty): Wipes it." in second.text
     assert {c.predicate.name for c in lift_words(proposals)} == {"cooked0", "meaty0", "wiped0"}
+
+
+@pytest.mark.parametrize("meaning", ["...", "(…)", "<meaning>", "Same as above.", "see above", "TBD", "n/a"])
+def test_a_placeholder_is_no_meaning(meaning: str) -> None:
+    line = f"* cooked(patty1) | CHANGES | {meaning}"
+    only = read_words(demo(), line, ProposalSettings())
+    assert not only.accepted and [r.reason for r in only.rejected] == ["its meaning is a placeholder"]
+    both = read_words(demo(), f"{line}\n* cooked(patty2) | CHANGES | Brown.", ProposalSettings())
+    assert [o.prompt_name for a in both.accepted for o in a.objects] == ["patty2", "patty1"]
+    assert [c.predicate.description for c in lift_words([both])] == ["Brown."]
+
+
+def test_an_answer_of_placeholders_alone_is_asked_for_again() -> None:
+    vlm = ScriptedVLM(["* cooked(patty1) | CHANGES | ...", WORDS])
+    (proposal,) = propose_words([demo()], vlm, ProposalSettings())
+    assert [request.attempt for request in vlm.asked] == [0, 1]
+    assert [a.name for a in proposal.accepted] == ["cooked", "grilled", "meaty"]
+
+
+def test_what_is_known_from_elsewhere_gets_no_second_word() -> None:
+    lines = "* Holding(robot, patty1) | CHANGES | It is held.\n* HOLD_ing(robot, patty2) | CHANGES | Held."
+    lines += "\n* holding(patty1, patty2) | CHANGES | The first lies on the second."
+    proposal = read_words(demo(), lines, ProposalSettings(), [HOLDING])
+    assert [(a.name, len(a.objects)) for a in proposal.accepted] == [("holding", 2)]
+    assert {r.reason for r in proposal.rejected} == {"Holding is known from elsewhere"}
+
+
+def test_questions_say_what_types_mean() -> None:
+    item = Type("item", description="What can be carried.")
+    cup = Type("cup", parent=item)
+    assert kind_lines([Object("c", cup)]).splitlines()[1:] == [
+        "What types mean, and what belongs to the more general ones:",
+        "- item: cup. What can be carried.",
+    ]
+    assert kind_lines([Object("c", Type("cup", parent=Type("item")))]).splitlines()[1:] == [
+        "More general types, and what belongs to each:",
+        "- item: cup",
+    ]
+    assert kind_lines([R]) == ""
 
 
 def test_meanings_are_told_once_for_several_types() -> None:
@@ -104,7 +148,8 @@ def test_one_question_labels_all_states_and_asks_again_for_what_is_missing() -> 
     assert [[s.values[a] for a in sorted(s.values)] for s in labels] == [[F, T], [F, T], [T, T]]
     assert [request.purpose for request in vlm.asked] == [Purpose.HISTORY] * 2
     assert vlm.asked[1].text.rpartition("Predicates:\n")[2].split() == ["cooked(patty2)"]
-    assert [v.heading for v in vlm.asked[0].views if v.crop is None] == [f"state {t}, camera main" for t in range(3)]
+    headings = [v.heading for v in vlm.asked[0].views if v.crop is None]
+    assert headings == [f"state {t}, camera main" for t in ("0", "1 after skill 0", "2 after skill 1")]
     assert labels[-1].counts[Occurrence.READ] == 2 and not labels[-1].gaps
 
 

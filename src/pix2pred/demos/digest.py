@@ -25,7 +25,7 @@ def project_digest(project: Project) -> str:
 
 
 def _undescribed(doc: dict[str, Any]) -> dict[str, Any]:
-    described = ("skills", "predicates")
+    described = ("types", "skills", "predicates")
     plain = {part: [{k: v for k, v in e.items() if k != "description"} for e in doc[part]] for part in described}
     return doc | plain
 

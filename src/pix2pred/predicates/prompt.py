@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from string import Template
 
-from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, State
+from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, State, Type
 from pix2pred.structs.views import LONGEST_SIDE, View
 
 
@@ -30,15 +30,26 @@ def object_lines(objects: Iterable[Object]) -> str:
 
 
 def kind_lines(objects: Iterable[Object]) -> str:
-    """Which types are kinds of a more general one, for types that words may use; empty where there are none."""
-    kinds: dict[str, set[str]] = {}
+    """Which types are kinds of a more general one, for types that words may use, and what types are said to be.
+
+    Empty where there is neither.
+    """
+    kinds: dict[Type, set[str]] = {}
     for one in {o.type for o in objects}:
+        if one.description:
+            kinds.setdefault(one, set())
         general = one.parent
         while general is not None:
-            kinds.setdefault(general.name, set()).add(one.name)
+            kinds.setdefault(general, set()).add(one.name)
             general = general.parent
-    lines = [f"- {general}: {', '.join(sorted(names))}" for general, names in sorted(kinds.items())]
-    return "\n".join(["", "More general types, and what belongs to each:", *lines, ""]) if lines else ""
+    lines = [
+        f"- {kind.name}: {'. '.join(filter(None, (', '.join(sorted(kinds[kind])), kind.description)))}"
+        for kind in sorted(kinds, key=lambda t: t.name)
+    ]
+    title = "More general types, and what belongs to each:"
+    if any(kind.description for kind in kinds):
+        title = "What types mean, and what belongs to the more general ones:"
+    return "\n".join(["", title, *lines, ""]) if lines else ""
 
 
 def action_text(action: Action) -> str:
@@ -54,13 +65,23 @@ def atom_text(atom: Atom) -> str:
 
 
 def views(
-    state: State, t: int, objects: Iterable[Object], *, marks: bool, longest_side: int = LONGEST_SIDE, label: str = ""
+    state: State,
+    t: int,
+    objects: Iterable[Object],
+    *,
+    marks: bool,
+    longest_side: int = LONGEST_SIDE,
+    label: str = "",
+    after: int | None = None,
 ) -> tuple[View, ...]:
-    """All cameras of a state, with headings such as ``state 3, camera main``."""
+    """All cameras of a state, with headings such as ``state 3, camera main``.
+
+    ``after`` is the number of the skill that led to the state, where the heading is to name it.
+    """
     names = {o.name: o.prompt_name for o in objects}
     shown = [_renamed(p, names) for p in state.pictures]
     prefix = f"{label}: " if label else ""
-    heading = f"{prefix}state {t}, camera"
+    heading = f"{prefix}state {t}{'' if after is None else f' after skill {after}'}, camera"
     return tuple(
         View(
             p, t, marks=marks, heading=f"{heading} {p.camera}", longest_side=longest_side,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 
 _UNSPEAKABLE = re.compile(r"[^A-Za-z0-9]+")
@@ -14,12 +14,14 @@ _UNSPEAKABLE = re.compile(r"[^A-Za-z0-9]+")
 class Type:
     """A kind of object: a name, the names of its numeric features, and an optional parent.
 
-    Features are not inherited: every type lists its own.
+    Features are not inherited: every type lists its own. ``description`` says in a sentence what belongs to the type,
+    for people and for models that are asked.
     """
 
     name: str
     features: tuple[str, ...] = ()
     parent: Type | None = None
+    description: str = field(default="", compare=False)
 
     def __hash__(self) -> int:
         """By name: atoms are hashed all the time, and two things that differ in nothing but the rest are rare."""

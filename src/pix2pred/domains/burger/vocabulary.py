@@ -8,9 +8,9 @@ from pix2pred.structs import FromDomain, Object, Predicate, Skill, Type
 
 _PLACE = ("row", "col", "z")
 
-OBJECT = Type("object", _PLACE)
-ITEM = Type("item", _PLACE, OBJECT)
-STATION = Type("station", _PLACE, OBJECT)
+OBJECT = Type("object", _PLACE, description="Everything that has a name.")
+ITEM = Type("item", _PLACE, OBJECT, "What can be picked up and stacked: the parts of a burger.")
+STATION = Type("station", _PLACE, OBJECT, "What stays where it stands and has something done to the item on it.")
 ROBOT = Type("robot", (*_PLACE, "fingers", "dir"), OBJECT)
 PATTY = Type("patty", _PLACE, ITEM)
 LETTUCE = Type("lettuce", _PLACE, ITEM)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pix2pred.structs import FromDomain, FromVLM, Predicate, Skill, Type
 
 ROBOT = Type("robot")
-MOVABLE = Type("movable_object")
-IMMOVABLE = Type("immovable")
+MOVABLE = Type("movable_object", description="A thing that can be picked up, the eraser included.")
+IMMOVABLE = Type("immovable", description="A piece of furniture, which stays where it stands.")
 TABLE = Type("table", parent=IMMOVABLE)
 TRASH_CAN = Type("trash_can", parent=IMMOVABLE)
 TYPES = (ROBOT, MOVABLE, IMMOVABLE, TABLE, TRASH_CAN)

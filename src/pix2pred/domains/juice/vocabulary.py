@@ -6,8 +6,8 @@ from pix2pred.structs import FromDomain, FromVLM, Predicate, Skill, Type
 
 ROBOT = Type("robot")
 JUICER = Type("juicer")
-CONTAINER = Type("container")
-MOVABLE = Type("movable_object")
+CONTAINER = Type("container", description="A cup or bowl that juice or waste can be caught in.")
+MOVABLE = Type("movable_object", description="A fruit, or another thing that can be put into a juicer.")
 TYPES = (ROBOT, JUICER, CONTAINER, MOVABLE)
 
 PICK_CONTAINER = Skill(

@@ -9,13 +9,13 @@ from pix2pred.structs import FromDomain, Object, Predicate, Skill, Type, Vocabul
 
 _PLACE = ("x", "y", "z")
 
-OBJECT = Type("object", _PLACE)
+OBJECT = Type("object", _PLACE, description="Everything that has a name.")
 GRIPPER = Type("gripper", (*_PLACE, "qw", "qx", "qy", "qz"), OBJECT)
-ON_OFF = Type("on_off", (*_PLACE, "angle"), OBJECT)
+ON_OFF = Type("on_off", (*_PLACE, "angle"), OBJECT, "What is turned or opened, and so is on or off, open or closed.")
 HINGE_DOOR = Type("hinge_door", (*_PLACE, "angle"), ON_OFF)
 KNOB = Type("knob", (*_PLACE, "angle"), ON_OFF)
 SWITCH = Type("switch", (*_PLACE, "angle"), ON_OFF)
-SURFACE = Type("surface", _PLACE, OBJECT)
+SURFACE = Type("surface", _PLACE, OBJECT, "A burner of the stove, on which a kettle can stand.")
 KETTLE = Type("kettle", _PLACE, OBJECT)
 
 TYPES = (OBJECT, GRIPPER, ON_OFF, HINGE_DOOR, KNOB, SWITCH, SURFACE, KETTLE)

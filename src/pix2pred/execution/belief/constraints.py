@@ -6,8 +6,9 @@ An invariant is believed as far as the demonstrations support it: a state that b
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Protocol
 
 from pix2pred.execution.belief.evidence import LARGEST, within
@@ -42,14 +43,27 @@ class Constraint(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """At most one of ``members`` holds, or exactly one; ``broken`` is the probability that it is not so."""
+    """At most one of ``members`` holds, or exactly one; ``broken`` is the probability that it is not so.
+
+    ``taken``: the one that may hold is known, and is none of the members.
+    """
 
     members: tuple[int, ...]
     exactly: bool
     broken: float
+    taken: bool = False
+
+    def settled(self, count: int, holding: Collection[int]) -> Iterator[Group]:
+        """The same of the members below ``count``, once it is known which others hold; nothing if two of them do."""
+        taken = sum(a >= count and a in holding for a in self.members)
+        if taken <= 1:
+            yield Group(tuple(a for a in self.members if a < count), self.exactly, self.broken, taken == 1)
 
     def messages(self, odds: Sequence[float]) -> list[float]:
         weights = [math.exp(o) for o in odds]
+        if self.taken:
+            every = math.prod(1 + w for w in weights)
+            return [_holding_besides(self.broken, every / (1 + w)) for w in weights]
         ones, all_ways = sum(weights), math.prod(1 + w for w in weights)
         none = self.broken if self.exactly else 1.0
         found = []
@@ -62,15 +76,20 @@ class Group:
 
     def mended(self, held: Sequence[bool], odds: Sequence[float]) -> Mapping[int, bool]:
         by_odds = sorted(zip(odds, self.members, held, strict=True), key=lambda row: (-row[0], row[1]))
-        true = [(o, a) for o, a, h in by_odds if h]
-        if len(true) > 1:
-            changes = {a: (o, False) for o, a in true[1:]}
-        elif not true and self.exactly:
+        true, room = [(o, a) for o, a, h in by_odds if h], 0 if self.taken else 1
+        if len(true) > room:
+            changes = {a: (o, False) for o, a in true[room:]}
+        elif not true and self.exactly and not self.taken:
             changes = {a: (o, True) for o, a, _ in by_odds[:1]}
         else:
             return {}
         price = sum(abs(o) for o, _ in changes.values())
         return {a: value for a, (_, value) in changes.items()} if price <= -math.log(self.broken) else {}
+
+
+def _holding_besides(broken: float, ways: float) -> float:
+    """The log odds of an atom beside one that holds, the others of their group having so many ``ways`` to be."""
+    return math.log(broken * ways) - math.log(1 + broken * (ways - 1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,26 +129,38 @@ class Constraints:
                     self._constraints.append(made(tuple(numbers.setdefault(a, len(numbers)) for a in atoms)))
         self._given = {a: i - self._count for a, i in numbers.items() if i >= self._count}
         self._premised: dict[int, list[Constraint]] = {}
+        self._groups: list[Group] = []
         self._always: list[Constraint] = []
         for constraint in self._constraints:
             self._file(constraint)
+        self._holding: Sequence[int] | None = None
         self.given_are(frozenset())
 
     def _file(self, constraint: Constraint) -> None:
         """An implication whose given premise does not hold says nothing, and there are many of these."""
         if isinstance(constraint, Implied) and constraint.members[0] >= self._count:
             self._premised.setdefault(constraint.members[0] - self._count, []).append(constraint)
+        elif isinstance(constraint, Group):
+            self._groups.append(constraint)
         else:
             self._always.append(constraint)
 
     def given_are(self, certain: AbstractState) -> None:
         """``certain`` are the given atoms that hold from now on."""
-        self._certain = [-LARGEST] * len(self._given)
         holding = sorted(self._given[a] for a in certain if a in self._given)
+        if holding == self._holding:
+            return
+        self._holding = holding
+        self._certain = [-LARGEST] * len(self._given)
         for number in holding:
             self._certain[number] = LARGEST
+        known = {number + self._count for number in holding}
         premised = (c for number in holding for c in self._premised.get(number, ()))
-        self._constraints = [*self._always, *premised]
+        self._constraints = [
+            *chain.from_iterable(g.settled(self._count, known) for g in self._groups),
+            *self._always,
+            *premised,
+        ]
 
     def informed(self, odds: Sequence[float]) -> list[float]:
         """``odds`` of the uncertain atoms with what the invariants say, given the other atoms that hold."""

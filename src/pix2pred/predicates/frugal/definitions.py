@@ -12,6 +12,10 @@ _STAYS = re.compile(r"\b(?:stays?|static|never)\b", re.IGNORECASE)
 _RELATED = re.compile(r"[ \t]*(also|opposite)[ \t]*:(.*)", re.IGNORECASE)
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 
+_PLACEHOLDERS = {"meaning", "a sentence", "one sentence", "description", "definition", "todo", "tbd", "none", "n a"}
+_ABOVE = re.compile(r"(?:the )?(?:same )?(?:as|see) (?:above|before)")
+_LETTER = re.compile(r"[^\W\d_]")
+
 LONGEST_MEANING = 500
 """Characters kept of one meaning: the most that a world model's file takes for a description."""
 
@@ -45,6 +49,14 @@ def read_definition(text: str) -> Definition:
     return Definition(sentence, changes, words.get("also", ()), words.get("opposite", ()))
 
 
+def is_placeholder(meaning: str) -> bool:
+    """Whether ``meaning`` fills its place and says nothing: dots, the word "meaning", "as above"."""
+    plain = " ".join(re.sub(r"[\W_]+", " ", meaning.lower()).split())
+    if not meaning:
+        return False
+    return _LETTER.search(plain) is None or plain in _PLACEHOLDERS or _ABOVE.fullmatch(plain) is not None
+
+
 def _words(text: str) -> tuple[str, ...]:
     found = (re.sub(r"[\s\-]+", "_", word.strip(" .`\"'")) for word in text.split(","))
     return tuple(dict.fromkeys(word for word in found if _WORD.match(word)))
@@ -63,6 +75,20 @@ def meaning_lines(predicates: Iterable[Predicate]) -> str:
         says = (predicate.description or "as the word says") + (" It never changes." if stays else "")
         lines.setdefault((word, predicate.arity, says), []).append(f"({', '.join(t.name for t in predicate.types)})")
     return "\n".join(f"- {word}{', '.join(types)}: {says}" for (word, _, says), types in lines.items())
+
+
+def defined_lines(predicates: Iterable[Predicate]) -> str:
+    """One line per word, written as a proposal writes it: types, whether a skill changes it, meaning, other words."""
+    lines: dict[tuple[str, int, str], list[str]] = {}
+    for predicate in sorted(predicates):
+        source = predicate.source
+        assert isinstance(source, FromVLM), "words are asked of a model"
+        said = ["CHANGES" if source.changes else "STAYS", predicate.description or "as the word says"]
+        said += [f"also: {', '.join(source.also)}"] if source.also else []
+        said += [f"opposite: {', '.join(source.opposite)}"] if source.opposite else []
+        key = (source.phrase, predicate.arity, " | ".join(said))
+        lines.setdefault(key, []).append(f"({', '.join(t.name for t in predicate.types)})")
+    return "\n".join(f"- {word}{', '.join(types)} | {says}" for (word, _, says), types in lines.items())
 
 
 def meanings_of(atoms: Iterable[Atom]) -> str:

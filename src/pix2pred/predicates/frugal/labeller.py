@@ -27,6 +27,14 @@ CROP_SCALE = 2
 LEAST_ZOOM = 1.5
 """A crop around a skill that shows things less enlarged than this is left out: the whole picture shows them as well."""
 
+WORD_MARK = "~"
+"""Stands in the name of a predicate asked in another word, before that word."""
+
+TWICE = (
+    "\nSome of them mean the same as another one, or its contrary, as the meanings say; this is meant so. Look at the "
+    "picture anew for each, so that a slip shows."
+)
+
 NEGATED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Label.UNKNOWN}
 
 
@@ -146,6 +154,7 @@ class FrugalLabeller:
             objects=object_lines(stretch.objects),
             kinds=kind_lines(stretch.objects),
             actions=f"({number})\n" + "\n".join(actions) if actions else NOTHING,
+            twice=TWICE if any(WORD_MARK in a.predicate.name for a in atoms) else "",
             crops=f"{crops} of the pictures show only the part of the scene a skill was about.\n" if crops else "",
             previous=f"Values in state {stretch.start}, as answered earlier:\n<previous>\n{before}\n</previous>\n"
             if before
@@ -156,7 +165,8 @@ class FrugalLabeller:
     def _pictures(self, stretch: Stretch) -> list[View]:
         settings, shown = self.settings, list[View]()
         for i, (t, state) in enumerate(zip(stretch.numbers, stretch.states, strict=True)):
-            whole = views(state, t, stretch.objects, marks=settings.marks, longest_side=settings.longest_side)
+            side, after = settings.longest_side, t - 1 if i else None
+            whole = views(state, t, stretch.objects, marks=settings.marks, longest_side=side, after=after)
             shown += whole
             if i and settings.crops:
                 shown += self._crops(stretch.states[i - 1], state, stretch.actions[i - 1], whole)
@@ -180,7 +190,7 @@ def _words(atom: Atom, count: int) -> list[tuple[Atom, bool]]:
         others = [(w, False) for w in source.also] + [(w, True) for w in source.opposite]
         for word, negated in others[: count - 1]:
             said = replace(source, phrase=word, also=(), opposite=())
-            name = f"{atom.predicate.name}~{word}"
+            name = f"{atom.predicate.name}{WORD_MARK}{word}"
             meaning = f"{'The contrary of' if negated else 'The same as'} {source.phrase}."
             forms.append(
                 (Atom(replace(atom.predicate, name=name, source=said, description=meaning), atom.objects), negated)

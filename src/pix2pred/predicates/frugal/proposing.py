@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, read_definition, skill_lines
+from pix2pred.predicates.frugal.definitions import (
+    Definition,
+    defined_lines,
+    is_placeholder,
+    meaning_lines,
+    read_definition,
+    skill_lines,
+)
 from pix2pred.predicates.prompt import action_text, fill, kind_lines, object_lines
 from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.predicates.proposing.propose import (
@@ -54,7 +61,7 @@ def propose_words(
                 lambda attempt, budget, demo=demo, known=known: words_request(  # type: ignore[misc]
                     demo, known, settings, given, skills, attempt, budget
                 ),
-                lambda answer, demo=demo: read_words(demo, answer, settings),  # type: ignore[misc]
+                lambda answer, demo=demo: read_words(demo, answer, settings, told(demo, given)),  # type: ignore[misc]
                 settings.attempts,
             )
         )
@@ -83,26 +90,48 @@ def words_request(
     budget: int = ANSWER_TOKENS,
 ) -> Request:
     """The question about one demonstration. What is the same in every question stands first: prompt caches hit."""
-    told = {*given, *(a.predicate for state in demo.states for a in state.given), *(a.predicate for a in demo.goal)}
+    known_elsewhere = told(demo, given)
     text = fill(
         "frugal_propose",
         limit=limit_text(settings),
         skills=skill_lines([*skills, *(a.skill for a in demo.actions)]),
-        given=meaning_lines(told) or NOTHING,
-        defined=meaning_lines(known) or NOTHING,
+        given=meaning_lines(known_elsewhere) or NOTHING,
+        defined=defined_lines(known) or NOTHING,
         objects=object_lines(demo.objects),
         kinds=kind_lines(demo.objects),
         actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
     )
     times = range(len(demo.states))
-    request = about_demo(Purpose.DEFINE, text, demo, times, settings, lambda a: read_words(demo, a, settings))
+    request = about_demo(
+        Purpose.DEFINE,
+        text,
+        demo,
+        times,
+        settings,
+        lambda a: read_words(demo, a, settings, known_elsewhere),
+        number_skills=True,
+    )
     return replace(request, attempt=attempt, max_tokens=budget)
 
 
-def read_words(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
-    """The atoms that begin the lines of ``answer``, with their definitions; of two of one atom the first counts."""
+def told(demo: Demo, given: Iterable[Predicate] = ()) -> frozenset[Predicate]:
+    """The predicates that need not be proposed: those ``given``, and what the demonstration's states and goal use."""
+    of_states = (a.predicate for state in demo.states for a in state.given)
+    return frozenset((*given, *of_states, *(a.predicate for a in demo.goal)))
+
+
+def read_words(
+    demo: Demo, answer: str, settings: ProposalSettings, known_elsewhere: Iterable[Predicate] = ()
+) -> Proposal:
+    """The atoms that begin the lines of ``answer``, with their definitions; of two of one atom the first counts.
+
+    Left out, with the reason, are words of predicates that are ``known_elsewhere``, and those whose meaning is a
+    placeholder in every line of theirs.
+    """
+    known = frozenset(known_elsewhere)
     accepted: dict[ProposedAtom, None] = {}
     rejected: dict[Rejection, None] = {}
+    hollow: list[tuple[str, ProposedAtom]] = []
     for line in clean(answer).splitlines():
         mention = next(mentions(line), None)
         if mention is None or any(character.isalnum() for character in line[: mention.start]):
@@ -110,9 +139,35 @@ def read_words(demo: Demo, answer: str, settings: ProposalSettings) -> Proposal:
         found = judged(demo, mention, settings, accepted)
         if isinstance(found, Rejection):
             rejected[found] = None
+        elif same := next((p for p in known if _names(p, found)), None):
+            rejected[Rejection(str(mention), f"{same.name} is known from elsewhere")] = None
         else:
-            accepted.setdefault(replace(found, definition=read_definition(line[mention.end :])))
+            definition = read_definition(line[mention.end :])
+            if is_placeholder(definition.meaning):
+                hollow.append((str(mention), found))
+            else:
+                accepted.setdefault(replace(found, definition=definition))
+    meant = {atom.name for atom in accepted}
+    for text, atom in hollow:
+        if atom.name in meant:  # another line says what the word means
+            accepted.setdefault(atom)
+        else:
+            rejected[Rejection(text, "its meaning is a placeholder")] = None
     return Proposal(demo.name, tuple(accepted), tuple(rejected))
+
+
+def _names(predicate: Predicate, atom: ProposedAtom) -> bool:
+    """Whether ``atom`` is one of ``predicate`` but for the spelling of its name."""
+    source = predicate.source
+    words = {predicate.name, source.phrase} if isinstance(source, FromVLM) else {predicate.name}
+    fits = len(atom.objects) == predicate.arity and all(
+        o.type.is_a(t) for o, t in zip(atom.objects, predicate.types, strict=True)
+    )
+    return fits and _spelled(atom.name) in map(_spelled, words)
+
+
+def _spelled(word: str) -> str:
+    return word.replace("_", "").lower()
 
 
 def lift_words(proposals: Iterable[Proposal], taken: Iterable[str] = ()) -> tuple[Candidate, ...]:

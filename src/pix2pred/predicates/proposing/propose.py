@@ -219,10 +219,21 @@ def about_demo(
     times: Iterable[int],
     settings: ProposalSettings,
     read: Callable[[str], Proposal],
+    *,
+    number_skills: bool = False,
 ) -> Request:
-    """A question with the pictures of the states ``times`` of a demonstration; ``read`` reads its answer."""
+    """A question with the pictures of the states ``times`` of a demonstration; ``read`` reads its answer.
+
+    ``number_skills``: headings say after which skill a state was.
+    """
     size, marks = settings.longest_side, settings.marks
-    shown = (views(demo.states[t], t, demo.objects, marks=marks, longest_side=size) for t in times)
+    shown = (
+        views(
+            demo.states[t], t, demo.objects, marks=marks, longest_side=size,
+            after=t - 1 if number_skills and t else None,
+        )
+        for t in times
+    )  # fmt: skip
     parts: tuple[Part, ...] = (text, *chain.from_iterable(shown))
     name = demo.name
     return Request(purpose, parts, ANSWER_TOKENS, about=name, demo=name, review=lambda answer: review(read(answer)))

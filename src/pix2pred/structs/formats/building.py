@@ -44,7 +44,8 @@ def build_types(docs: Iterable[TypeDoc]) -> tuple[Type, ...]:
     for name in table:
         for ancestor in reversed(_lineage(name, table)):
             doc = table[ancestor]
-            built.setdefault(ancestor, Type(ancestor, doc.features, built[doc.parent] if doc.parent else None))
+            parent = built[doc.parent] if doc.parent else None
+            built.setdefault(ancestor, Type(ancestor, doc.features, parent, doc.description))
     return tuple(built[name] for name in table)
 
 

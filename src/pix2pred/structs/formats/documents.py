@@ -40,6 +40,7 @@ class TypeDoc(Document):
     name: Name
     parent: Name | None = None
     features: tuple[Name, ...] = ()
+    description: Description = ""
 
 
 class ObjectDoc(Document):

@@ -19,7 +19,7 @@ def type_doc(t: Type) -> dict[str, Any]:
         doc["parent"] = t.parent.name
     if t.features:
         doc["features"] = list(t.features)
-    return doc
+    return doc | ({"description": t.description} if t.description else {})
 
 
 def skill_doc(skill: Skill) -> dict[str, Any]:
