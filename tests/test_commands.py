@@ -25,7 +25,7 @@ def commands(page: str) -> Iterator[str]:
     lines = [line.strip().removeprefix("$ ") for line in blocks.splitlines()]
     for text in (*lines, *_INLINE.findall(_FENCE.sub("", page))):
         words = " ".join(text.split())
-        if words.startswith("pix2pred ") and not re.search(r"\.\.\.|…|\[", words):  # a pattern, not a command
+        if words.startswith("pix2pred ") and not re.search(r"\.\.\.|…|\[|\$@", words):  # a pattern, not a command
             yield re.split(r" +[#|<>&]", words)[0].replace("--seed S", "--seed 0")
 
 

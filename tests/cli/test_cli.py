@@ -11,6 +11,7 @@ import yaml
 
 from command_line import Cli
 from pix2pred.learning import load_traces
+from pix2pred.planning.pddl.names import described
 from pix2pred.planning.pddl.read import read_domain
 from pix2pred.structs.formats.world_model import dump_model, load_model
 
@@ -105,7 +106,7 @@ def test_model_and_labels_load_back_equal(learned: Path) -> None:
     assert load_traces(learned / "labels" / "traces.json").table.candidates()
     domain = read_domain((learned / "model" / "domain.pddl").read_text())
     assert domain.distinct
-    for ours, theirs in zip(model.operators, domain.operators, strict=True):
+    for ours, theirs in zip(described(model).operators, domain.operators, strict=True):
         assert str(ours) == str(theirs) and ours.support == theirs.support
 
 

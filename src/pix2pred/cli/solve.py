@@ -74,14 +74,16 @@ def solve(
         solver, config = load_solver(
             folder, planner, closed_loop=closed_loop, ask_again=ask_again, vlm=vlm, registry=registry
         )
-        say_where_questions_wait(registry.model_spec(vlm or addresses.reached(config["vlm"], run)))
         domain = domain or config["simulator"].get("domain")
         family = family or config["simulator"].get("family")
         chosen, name = _tasks(registry, tasks, solver, domain, family, seed, count, plan_only=plan_only)
+        waiting = registry.model_spec(vlm or addresses.reached(config["vlm"], run))
         if plan_only:
+            say_where_questions_wait(waiting)
             return _plan(folder, name, chosen, solver, as_json=json)
         if domain is None:
             raise UsageError(f"{run}: no simulator is known for these tasks; name one with --domain, or --plan-only")
+        say_where_questions_wait(waiting)
         if vlm:
             name += "-" + re.sub(r"[^A-Za-z0-9]+", "-", solver.labeller.vlm.name).strip("-")
         if closed_loop or disturb:

@@ -265,7 +265,7 @@ def test_a_person_behind_a_reader_is_asked_about_the_rest_alone(reader: Distille
     sure = [a for a, v in labels(reader, shown).items() if v != Label.UNKNOWN]
     thread = threading.Thread(target=lambda: found.append(labels(model, shown, [*sure, *warm])), daemon=True)
     thread.start()
-    form = awaited(tmp_path, "*/form.txt")
+    form = awaited(tmp_path, "[!.]*/form.txt")
     assert form.read_text() == "* warm(lamp1): ?\n* warm(lamp2): ?\n"
     assert MailboxFolder(tmp_path).question(form.parent.name).states == (0,)
     form.write_text("* warm(lamp1): True\n* warm(lamp2): False\n")
