@@ -13,7 +13,7 @@ import numpy as np
 from pix2pred.domains.home.drawing import bodies, fixtures, vessels
 from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.movables import FRUIT_COLOUR, KINDS
-from pix2pred.domains.home.drawing.room import furnish
+from pix2pred.domains.home.drawing.room import EVEN, SPOTS, furnish
 from pix2pred.domains.home.world import UPRIGHT, Body, Quaternion, Thing, Vector, World
 from pix2pred.domains.physics import mujoco_library
 
@@ -34,7 +34,7 @@ class Stage:
     def __init__(self, world: World, robot: Callable[[Maker], None] = bodies.make_robot) -> None:
         self._mujoco = mujoco_library()
         maker = Maker()
-        furnish(maker, world.room, world.style)
+        furnish(maker, world.room, world.style, EVEN if world.of_type("juicer") else SPOTS)
         (bodies.make_person if world.body is Body.HUMAN else robot)(maker)
         for thing in world.things:
             _make(maker, thing)
@@ -125,16 +125,20 @@ class Stage:
             self._rind(thing)
 
     def _liquid(self, thing: Thing) -> None:
-        liquid, surface = (self._geoms[f"{thing.name}/{part}"] for part in ("liquid", "surface"))
-        shown = thing.amount > 0 and bool(thing.contents)
-        shape, bottom = vessels.level(thing.kind, thing.amount), vessels.BOTTOM
-        colour = np.array(vessels.liquid_colour(thing.contents) if shown else (0, 0, 0))
-        for geom, light in ((liquid, 0.92), (surface, 1.04)):
-            self.model.geom_rgba[geom] = (*np.clip(colour * light, 0, 1), 1.0 if shown else 0.0)
-        self.model.geom_size[liquid][:2] = (shape.radius, shape.height / 2)
-        self.model.geom_pos[liquid] = (0, 0, bottom + shape.height / 2)
-        self.model.geom_size[surface][:2] = (shape.surface, 0.0012)
-        self.model.geom_pos[surface] = (0, 0, bottom + shape.height)
+        model, bottom = self.model, vessels.BOTTOM
+        shape = vessels.level(thing.kind, thing.amount)
+        colours = vessels.liquid_colours(thing.contents) if thing.amount > 0 else []
+        liquid = self._geoms[f"{thing.name}/liquid"]
+        mixed = np.mean(colours, axis=0) if colours else np.zeros(3)
+        model.geom_rgba[liquid] = (*0.92 * mixed, float(bool(colours)))
+        model.geom_size[liquid][:2] = (shape.radius, shape.height / 2)
+        model.geom_pos[liquid] = (0, 0, bottom + shape.height / 2)
+        for k in range(vessels.MOST_LIQUIDS):
+            ring = self._geoms[f"{thing.name}/surface{k}"]
+            share = math.sqrt(1 - k / len(colours)) if k < len(colours) else 0.1
+            model.geom_rgba[ring] = (*colours[k], 1.0) if k < len(colours) else (0, 0, 0, 0)
+            model.geom_size[ring][:2] = (share * shape.surface, 0.0012)
+            model.geom_pos[ring] = (0, 0, bottom + shape.height + 0.0008 * k)
 
     def _juicer(self, thing: Thing) -> None:
         lamp = self._geoms[f"{thing.name}/lamp"]
@@ -193,7 +197,7 @@ def gaze_point(world: World) -> Vector:
     x, y, z = (0.85, 0.0, 0.3) if thing.name == world.holding else thing.at
     if thing.kind in fixtures.TOPS:
         z = fixtures.table_size(thing).height
-    higher = 0.12 if world.of_type("juicer") else 0.0  # an open lid stands high
+    higher = 0.30 if world.of_type("juicer") else 0.0  # an open lid stands high
     return (0.4 * x + 0.6 * 0.80, 0.34 * y, 0.45 * z + 0.14 + higher)
 
 
@@ -217,7 +221,7 @@ def _make(maker: Maker, thing: Thing) -> None:
         kind = KINDS[thing.kind]
         body = maker.body(thing.name, free=True)
         kind.make(maker, body, thing.name, np.random.default_rng(thing.look))
-        _make_shadow(maker, thing, kind.radius * 0.9)
+        _make_shadow(maker, thing, kind.radius * kind.shade)
         if thing.kind in FRUIT_COLOUR:
             _make_rind(maker, thing)
         return
@@ -256,7 +260,7 @@ def _make_shadow(maker: Maker, thing: Thing, radius: float) -> None:
 
 
 def _make_rind(maker: Maker, thing: Thing) -> None:
-    """Two hollow halves of squeezed fruit."""
+    """Two hollow halves of squeezed fruit; what is left of their flesh has the colour of the juice."""
     body = maker.body(f"{thing.name}-rind")
     colour = FRUIT_COLOUR[thing.kind]
     for k, y in enumerate((-0.036, 0.036)):
@@ -265,8 +269,9 @@ def _make_rind(maker: Maker, thing: Thing) -> None:
             f"{thing.name}-{name}", [(0, 0), (0.022, 0.004), (0.033, 0.022), (0.029, 0.022), (0.019, 0.008), (0, 0.006)]
         )
         shell = tuple(0.9 * c for c in colour)
-        maker.shape(f"{thing.name}-rind/{name}", f"{thing.name}-{name}", shell, body=body, pos=[0, y, 0])
+        maker.shape(f"{thing.name}-rind/{name}", f"{thing.name}-{name}", shell, (0, y, 0), body=body)
         maker.drum(f"{thing.name}-rind/pith{k}", 0.026, 0.001, (0, y, 0.017), (0.95, 0.90, 0.74), body=body)
+        maker.drum(f"{thing.name}-rind/flesh{k}", 0.021, 0.001, (0, y, 0.0185), colour, body=body)
 
 
 _KEPT = 3

@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.domains.home.cameras import camera_names, some_pictures
+from pix2pred.domains.home.cameras import some_pictures
 from pix2pred.domains.home.drawing.room import STYLES
 from pix2pred.domains.home.drawing.vessels import DRINKS
+from pix2pred.domains.home.places import Region
 from pix2pred.domains.home.world import Body, Thing, World
 from pix2pred.domains.juice.families import DEMONSTRATED_FRUITS, JUICE_CUPS, NEW_FRUITS
+from pix2pred.domains.juice.party import PartyCup, PartyJuicer, lay_out
 from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 from pix2pred.domains.juice.skills import FULL
 from pix2pred.domains.seeds import Split, scene_generator
@@ -19,6 +21,8 @@ from pix2pred.structs import Picture
 Rng = np.random.Generator
 
 _FRUITS = (*DEMONSTRATED_FRUITS, *NEW_FRUITS)
+_PARTIES = 0.3
+"""The share of a robot's scenes with several juicers."""
 
 
 def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
@@ -26,18 +30,45 @@ def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
     rng = scene_generator(seed, Split.READER, look)
     body = Body.HUMAN if rng.random() < 0.5 else Body.ROBOT
     style = str(rng.choice(sorted(STYLES)))
+    if body is Body.ROBOT and rng.random() < _PARTIES:
+        return _parties(style, per_look, rng)
     kinds = [str(k) for k in rng.choice(JUICE_CUPS, size=int(rng.integers(2, 4)))]
     fruits = [str(k) for k in rng.permutation(_FRUITS)[: int(rng.integers(1, 4))]]
     base = make_world(_plan(kinds, fruits, rng), body, style, rng)
     return [_rearranged(base, kinds, fruits, rng) for _ in range(per_look)]
 
 
+def _parties(style: str, count: int, rng: Rng) -> list[World]:
+    """Arrangements of the same things on a buffet with two or three juicers."""
+    kinds = [str(k) for k in rng.choice((*JUICE_CUPS, "bowl"), size=int(rng.integers(5, 8)))]
+    fruits = [str(k) for k in rng.permutation(_FRUITS)[: int(rng.integers(2, 4))]]
+    juicers = int(rng.integers(2, 4))
+    worlds: list[World] = []
+    for _ in range(count):
+        under = [(k, region) for k in range(juicers) for region in Region]
+        taken = [under[i] for i in rng.permutation(len(under))[: int(rng.integers(len(under)))]]
+        vessels = [
+            PartyCup(f"cup{i}", kind, under=taken[i] if i < len(taken) else None) for i, kind in enumerate(kinds)
+        ]
+        held = [fruits[i] if i < len(fruits) and rng.random() < 0.7 else None for i in rng.permutation(juicers)]
+        inside = [rng.random() < 0.6 for _ in held]
+        machines = [
+            PartyJuicer(f if i else None, None if i else f, bool(rng.random() < 0.5))
+            for f, i in zip(held, inside, strict=True)
+        ]
+        world = lay_out(machines, vessels, [f for f in fruits if f not in held], style, rng)
+        first = worlds[0] if worlds else world
+        looks = [replace(t, look=first.thing(t.name).look) for t in world.things]
+        worlds.append(_with_drinks(replace(world.with_thing(*looks), room=first.room), rng))
+    return worlds
+
+
 def _plan(kinds: list[str], fruits: list[str], rng: Rng) -> Plan:
     places = [str(p) for p in rng.permutation(("juice", "waste", "aside", "aside"))]
     cups = {f"cup{i}": Cup(kind, places[i]) for i, kind in enumerate(kinds)} | {"bowl": Cup("bowl")}
     where = {f: float(rng.random()) for f in fruits}
-    inside = [f for f in fruits if where[f] < 0.35]
-    squeezed = [f for f in fruits if where[f] > 0.65]
+    inside = [f for f in fruits if where[f] < 0.30]
+    squeezed = [f for f in fruits if where[f] > 0.55]
     return Plan(cups, fruits, inside, squeezed, bool(rng.random() < 0.5), bool(rng.random() < 0.7))
 
 
@@ -63,19 +94,23 @@ def _with_drinks(world: World, rng: Rng) -> World:
 def _filled(container: Thing, squeezed: list[str], rng: Rng) -> Thing:
     """Empty, or with the juice of fruit that was squeezed here or elsewhere, or with another drink."""
     kind = rng.random()
-    if kind < 0.45:
+    if kind < 0.40:
         return replace(container, contents=(), amount=0.0)
     others = [f for f in _FRUITS if f not in squeezed]
-    if kind < 0.75 and squeezed:
+    if kind < 0.80 and squeezed:
         number = int(rng.integers(1, len(squeezed) + 1))
         contents = tuple(sorted(str(k) for k in rng.permutation(squeezed)[:number]))
-    elif kind < 0.82 and others:
+    elif kind < 0.88 and others:
         contents = (str(rng.choice(others)),)
     else:
         contents = (str(rng.choice(sorted(DRINKS))),)
     return replace(container, contents=contents, amount=float(rng.uniform(FULL - 0.08, FULL + 0.06)))
 
 
+_SHARES = {"frontleft_fisheye": 0.4, "frontright_fisheye": 0.4, "left_fisheye": 0.15, "right_fisheye": 0.15}
+"""How often a camera's picture is taken; the one at the back sees nothing of the scene."""
+
+
 def views(world: World) -> list[Picture]:
     """What a person sees, or the robot's hand camera and some of the others, drawn by the world's own seed."""
-    return some_pictures(world, dict.fromkeys(camera_names(world), 0.3))
+    return some_pictures(world, _SHARES)

@@ -23,8 +23,8 @@ ASIDE = "aside"
 REGION_OF: Mapping[str, Region] = {"juice": Region.JUICE, "waste": Region.WASTE}
 
 _FRONT = (0.68, 0.76)
-_ASIDE = ((0.70, 0.86), (0.42, 0.68))
-_GAP = 0.14
+_ASIDE = ((0.70, 0.86), (0.38, 0.54))
+_GAP = 0.16
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 import PIL.Image
@@ -22,9 +23,6 @@ TIGHT, WIDE = 1.15, 2.4
 """Sides of the crops, relative to the longer side of the object's box."""
 
 _CELLS = 6
-BLOCKS = (TIGHT_SIDE**2 * 3, WIDE_SIDE**2 * 3, 3 * _CELLS**2)
-"""Lengths of the parts of a crop vector: near, wide, and edges with saturation in a grid of cells."""
-
 _NEIGHBOURS = 2
 """Nearest objects of each type that are looked at."""
 
@@ -34,6 +32,10 @@ _PER_NEIGHBOUR = 7
 @dataclass(slots=True)
 class FineScene(Scene):
     """One picture being read. ``types`` are the prompt's; ``kinds`` the types whose objects count as neighbours."""
+
+    blocks: ClassVar[tuple[int, ...]] = (TIGHT_SIDE**2 * 3, WIDE_SIDE**2 * 3, 3 * _CELLS**2)
+    """Near, wide, and edges with saturation in a grid of cells."""
+    components: ClassVar[tuple[int, ...]] = (32, 12, 18)
 
     types: Mapping[str, str] = field(default_factory=dict)
     kinds: Sequence[str] = ()

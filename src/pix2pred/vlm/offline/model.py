@@ -21,6 +21,7 @@ from pydantic import Field
 from pix2pred.structs import Picture
 from pix2pred.structs.formats.documents import Document
 from pix2pred.vlm.offline.fine_sight import FineScene
+from pix2pred.vlm.offline.inner_sight import InnerScene
 from pix2pred.vlm.offline.pixels import MEASURES, Scene, Vector
 
 Array = NDArray[np.float32]
@@ -59,11 +60,15 @@ class WordListDoc(Document):
     neighbours: tuple[str, ...] = Field(
         (), description="types whose nearest objects are looked at, with the finer sight; by default the simple one"
     )
+    inner: bool = Field(False, description="the finer sight also looks at what is in vessels")
+    decisive: tuple[str, ...] = Field((), description="cameras that, where one shows the objects, are read alone")
     words: tuple[WordDoc, ...]
 
     def scene(self, picture: Picture, types: Mapping[str, str]) -> Scene:
         """What is computed from a picture whose objects have ``types``, with the sight this reader was trained for."""
-        return FineScene(picture, types=types, kinds=self.neighbours) if self.neighbours else Scene(picture)
+        if not self.neighbours:
+            return Scene(picture)
+        return (InnerScene if self.inner else FineScene)(picture, types=types, kinds=self.neighbours)
 
     def uses(self) -> list[tuple[WordDoc, tuple[str, ...]]]:
         """Every word with every signature of plain types it applies to."""
@@ -168,8 +173,10 @@ class ReaderModel:
         """The value read from all pictures of a state that show the objects; ``None`` when no picture does.
 
         The surest picture decides; with the finer sight all have a say, because one that shows only a part of an
-        object may be sure and wrong.
+        object may be sure and wrong. Where a decisive camera shows the objects, the others are not read: from below the
+        side of a vessel is seen, and not what is in it.
         """
+        scenes = [s for s in scenes if s.picture.camera in self.words.decisive] or scenes
         readings = [self.value(word, names, types, scene) for scene in scenes]
         if not self.words.neighbours or len(readings) < 2:
             return max(readings, key=lambda read: abs(read[1] - 0.5), default=(None, 0.5))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 import PIL.Image
@@ -26,6 +27,11 @@ BLANK_DEVIATION = 2.0
 @dataclass(slots=True)
 class Scene:
     """One picture being read; crops are kept because many words ask about the same object."""
+
+    blocks: ClassVar[tuple[int, ...]] = (SIDE**2 * 3, SIDE**2 * 3)
+    """Lengths of the parts of a crop vector."""
+    components: ClassVar[tuple[int, ...]] = (28, 12)
+    """Principal components that training keeps of every part."""
 
     picture: Picture
     image: PIL.Image.Image = field(init=False)

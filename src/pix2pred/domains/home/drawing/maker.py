@@ -94,9 +94,11 @@ class Maker:
         """A capsule from ``a`` to ``b``."""
         self._geom(name, self._kinds.mjGEOM_CAPSULE, (radius, 0, 0), None, colour, fromto=[*a, *b], **more)
 
-    def shape(self, name: str, mesh: str, colour: Sequence[float], **more: Any) -> None:
+    def shape(
+        self, name: str, mesh: str, colour: Sequence[float], at: Sequence[float] = (0, 0, 0), **more: Any
+    ) -> None:
         """A mesh that was added before."""
-        self._geom(name, self._kinds.mjGEOM_MESH, (0, 0, 0), (0, 0, 0), colour, meshname=mesh, **more)
+        self._geom(name, self._kinds.mjGEOM_MESH, (0, 0, 0), at, colour, meshname=mesh, **more)
 
     def turned(self, name: str, profile: Sequence[tuple[float, float]], sides: int = 28) -> None:
         """A mesh: ``profile`` (radius, height) turned about the vertical axis."""
@@ -118,20 +120,22 @@ class Maker:
             inertia=self._mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
         )
 
-    def light(self, at: Sequence[float], colour: Sequence[float]) -> None:
-        """A lamp that shines down."""
+    def light(self, at: Sequence[float], colour: Sequence[float], cone: float, fading: float) -> None:
+        """A lamp that shines down: half the angle of its cone in degrees, and how it fades towards the edge."""
         self.world.add_light(
             pos=list(at),
             dir=[-0.25 * at[0], -0.25 * at[1], -1],
             diffuse=list(colour),
             specular=[0.1] * 3,
             castshadow=False,
+            cutoff=cone,
+            exponent=fading,
         )
 
-    def ambient(self, strength: float) -> None:
-        """Light from everywhere."""
+    def ambient(self, strength: float, ahead: float) -> None:
+        """Light from everywhere, and some from where one looks from."""
         headlight = self._spec.visual.headlight
-        headlight.ambient, headlight.diffuse = [strength] * 3, [0.28] * 3
+        headlight.ambient, headlight.diffuse = [strength] * 3, [ahead] * 3
 
     def camera(self, body: Any, name: str, at: Sequence[float], turn: Sequence[float], fovy: float) -> None:
         """A camera fixed to a body; ``turn`` is its quaternion."""

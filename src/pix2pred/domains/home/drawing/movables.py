@@ -23,11 +23,15 @@ BRIGHT: Sequence[Colour] = (
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """How a kind of thing is made, how high its middle lies above what it rests on, and how far it reaches."""
+    """How a kind of thing is made, how high its middle lies above what it rests on, and how far it reaches.
+
+    ``shade`` is the share of its reach that its shadow has.
+    """
 
     make: Callable[[Maker, Any, str, Rng], None]
     rise: float
     radius: float
+    shade: float = 0.9
 
 
 def bright(rng: Rng) -> Colour:
@@ -136,8 +140,10 @@ def _tape(maker: Maker, body: Any, name: str, rng: Rng) -> None:
     maker.drum(f"{name}/hole", 0.022, 0.021, (0, 0, 0), (0.16, 0.14, 0.12), body=body)
 
 
-def fruit(colour: Colour, half: Sequence[float], stem: Colour) -> Callable[[Maker, Any, str, Rng], None]:
-    """A fruit. What is left of it when it was squeezed is drawn by ``rind``."""
+def fruit(
+    colour: Colour, half: Sequence[float], stem: Colour, *, leaf: bool = False, tips: bool = False
+) -> Callable[[Maker, Any, str, Rng], None]:
+    """A fruit, with a leaf at its stem or with pointed ends. What squeezing leaves of it is drawn by ``rind``."""
 
     def make(maker: Maker, body: Any, name: str, rng: Rng) -> None:
         shade = tuple(float(c) for c in np.clip(np.array(colour) + rng.uniform(-0.03, 0.03, 3), 0, 1))
@@ -150,6 +156,11 @@ def fruit(colour: Colour, half: Sequence[float], stem: Colour) -> Callable[[Make
             body=body,
         )
         maker.drum(f"{name}/stem", 0.004, 0.010, (0, 0, half[2] + 0.002), stem, body=body)
+        if leaf:
+            at = (0.014, -0.012, half[2] + 0.007)
+            maker.egg(f"{name}/leaf", (0.020, 0.009, 0.002), at, (0.20, 0.46, 0.14), body=body)
+        for k, end in enumerate((1, -1) if tips else ()):
+            maker.egg(f"{name}/tip{k}", (0.013, 0.011, 0.011), (end * half[0] * 0.98, 0, 0), shade, body=body)
 
     return make
 
@@ -172,11 +183,13 @@ KINDS: Mapping[str, Kind] = {
     "carton": Kind(_carton, 0.055, 0.05),
     "banana": Kind(_banana, 0.017, 0.085),
     "tape": Kind(_tape, 0.02, 0.05),
-    "orange": Kind(fruit(FRUIT_COLOUR["orange"], (0.042, 0.042, 0.040), (0.25, 0.4, 0.12)), 0.04, 0.045),
-    "apple": Kind(fruit(FRUIT_COLOUR["apple"], (0.042, 0.042, 0.038), _BROWN), 0.038, 0.045),
-    "lime": Kind(fruit(FRUIT_COLOUR["lime"], (0.040, 0.034, 0.034), _BROWN), 0.034, 0.042),
-    "plum": Kind(fruit(FRUIT_COLOUR["plum"], (0.036, 0.036, 0.038), _BROWN), 0.038, 0.04),
-    "lemon": Kind(fruit(FRUIT_COLOUR["lemon"], (0.048, 0.034, 0.034), _BROWN), 0.034, 0.05),
-    "melon": Kind(fruit((0.42, 0.62, 0.30), (0.11, 0.11, 0.105), _BROWN), 0.105, 0.12),
+    "orange": Kind(
+        fruit(FRUIT_COLOUR["orange"], (0.042, 0.042, 0.040), (0.25, 0.4, 0.12), leaf=True), 0.04, 0.045, 0.72
+    ),
+    "apple": Kind(fruit(FRUIT_COLOUR["apple"], (0.042, 0.042, 0.038), _BROWN, leaf=True), 0.038, 0.045, 0.72),
+    "lime": Kind(fruit(FRUIT_COLOUR["lime"], (0.040, 0.034, 0.034), _BROWN, tips=True), 0.034, 0.042, 0.72),
+    "plum": Kind(fruit(FRUIT_COLOUR["plum"], (0.036, 0.036, 0.038), _BROWN), 0.038, 0.04, 0.72),
+    "lemon": Kind(fruit(FRUIT_COLOUR["lemon"], (0.048, 0.034, 0.034), _BROWN, tips=True), 0.034, 0.05, 0.72),
+    "melon": Kind(fruit((0.42, 0.62, 0.30), (0.11, 0.11, 0.105), _BROWN), 0.105, 0.12, 0.72),
 }
 """``melon`` goes into no juicer."""

@@ -29,6 +29,22 @@ class Style:
     furniture: Sequence[Colour]
 
 
+@dataclass(frozen=True, slots=True)
+class Lamps:
+    """How bright both lamps are, and the light from everywhere and from ahead; half angle of the cones, and fading."""
+
+    first: tuple[float, float]
+    second: tuple[float, float]
+    everywhere: tuple[float, float]
+    ahead: float
+    cone: float
+    fading: float
+
+
+SPOTS = Lamps((0.42, 0.58), (0.12, 0.25), (0.36, 0.46), 0.28, 45.0, 10.0)
+EVEN = Lamps((0.32, 0.44), (0.10, 0.18), (0.36, 0.44), 0.20, 85.0, 1.5)
+"""Spots would paint a white patch on a counter, on which clear and white cups could not be told from it."""
+
 STYLES: Mapping[str, Style] = {
     "home": Style(
         (("planks", (0.62, 0.45, 0.30)), ("planks", (0.78, 0.62, 0.44)), ("carpet", (0.62, 0.60, 0.56)),
@@ -59,7 +75,7 @@ def _between(rng: Rng, low: float, high: float) -> float:
     return float(rng.uniform(low, high))
 
 
-def furnish(maker: Maker, seed: int, style: str) -> None:
+def furnish(maker: Maker, seed: int, style: str, lamps: Lamps) -> None:
     """Add the room of ``seed`` to the scene: everything in it is scenery and belongs to no object."""
     rng = np.random.default_rng(np.random.SeedSequence((seed, 11)))
     chosen = STYLES[style]
@@ -79,7 +95,7 @@ def furnish(maker: Maker, seed: int, style: str) -> None:
         maker.slab(f"room/skirting{x:g}{y:g}", skirting, (x, y, 0.05), (0.9, 0.9, 0.88))
     _window(maker, rng)
     _along_the_walls(maker, rng, chosen)
-    _light(maker, rng)
+    _light(maker, rng, lamps)
 
 
 def _tinted(colour: Colour, rng: Rng) -> np.ndarray:
@@ -166,11 +182,12 @@ def _plant(maker: Maker, rng: Rng, place: tuple[float, float]) -> None:
         maker.egg(f"room/leaf{k}", (0.08, 0.08, 0.17), at, green)
 
 
-def _light(maker: Maker, rng: Rng) -> None:
+def _light(maker: Maker, rng: Rng, lamps: Lamps) -> None:
     warm = _between(rng, -0.04, 0.06)
-    strength = _between(rng, 0.42, 0.58)
+    strength = _between(rng, *lamps.first)
     place = (_between(rng, -0.6, 1.6), _between(rng, -1.2, 1.2), 2.6)
-    maker.light(place, (strength + warm, strength, strength - warm))
-    other = _between(rng, 0.12, 0.25)
-    maker.light((_between(rng, -1.5, 0), _between(rng, -2, 2), 2.4), (other, other, other))
-    maker.ambient(_between(rng, 0.36, 0.46))
+    maker.light(place, (strength + warm, strength, strength - warm), lamps.cone, lamps.fading)
+    other = _between(rng, *lamps.second)
+    side = (_between(rng, -1.5, 0), _between(rng, -2, 2), 2.4)
+    maker.light(side, (other, other, other), lamps.cone, lamps.fading)
+    maker.ambient(_between(rng, *lamps.everywhere), lamps.ahead)

@@ -29,24 +29,27 @@ class Vessel:
 
 
 VESSELS: Mapping[str, Vessel] = {
-    "plastic_cup": Vessel(0.034, 0.048, 0.10, 1.0, True, True),
-    "tumbler": Vessel(0.038, 0.044, 0.11, 0.6, True, True),
-    "glass": Vessel(0.036, 0.040, 0.12, 0.28, True, False),
-    "mug": Vessel(0.042, 0.043, 0.09, 1.0, True, False),
-    "bowl": Vessel(0.050, 0.095, 0.065, 1.0, False, False),
+    "plastic_cup": Vessel(0.043, 0.060, 0.125, 1.0, True, True),
+    "tumbler": Vessel(0.046, 0.055, 0.135, 0.45, True, True),
+    "glass": Vessel(0.044, 0.050, 0.145, 0.28, True, False),
+    "mug": Vessel(0.052, 0.054, 0.11, 1.0, True, False),
+    "bowl": Vessel(0.060, 0.110, 0.075, 1.0, False, False),
 }
 """``plastic_cup`` is bright with a white rim band, ``tumbler`` tinted, ``glass`` clear, ``mug`` has a handle."""
 
 DRINKS: Mapping[str, Colour] = {
-    "coffee": (0.20, 0.11, 0.06), "cola": (0.30, 0.10, 0.05), "tea": (0.58, 0.28, 0.06), "pulp": (0.46, 0.42, 0.14),
+    "coffee": (0.20, 0.11, 0.06), "cola": (0.30, 0.10, 0.05), "tea": (0.58, 0.28, 0.06), "pulp": (0.42, 0.40, 0.12),
 }  # fmt: skip
 """What cups hold besides juice; ``pulp`` leaves the juicer by its waste valve."""
 
 
-def liquid_colour(contents: Sequence[str]) -> Colour:
-    """The colour of a mixture; juice is named after its fruit."""
-    parts = [np.array(DRINKS.get(c) or FRUIT_COLOUR[c]) for c in contents]
-    return tuple(float(v) for v in np.mean(parts, axis=0))
+MOST_LIQUIDS = 3
+"""Liquids in one vessel that are drawn: thick juices that were squeezed one after the other lie in rings."""
+
+
+def liquid_colours(contents: Sequence[str]) -> list[Colour]:
+    """The colours of the liquids in a vessel, from its wall inwards; juice is named after its fruit."""
+    return [DRINKS.get(c) or FRUIT_COLOUR[c] for c in contents[:MOST_LIQUIDS]]
 
 
 def make_vessel(maker: Maker, body: Any, thing: Thing) -> None:
@@ -65,7 +68,8 @@ def make_vessel(maker: Maker, body: Any, thing: Thing) -> None:
         colour = ((0.94, 0.94, 0.92), (0.55, 0.66, 0.76), (0.80, 0.72, 0.60))[int(rng.integers(3))]
     wall = 0.003
     maker.drum(f"{name}/liquid", 0.01, 0.01, (0, 0, 0.02), (0.5, 0.5, 0.5), body=body)
-    maker.drum(f"{name}/surface", 0.01, 0.001, (0, 0, 0.02), (0.5, 0.5, 0.5), body=body)
+    for k in range(MOST_LIQUIDS):
+        maker.drum(f"{name}/surface{k}", 0.01, 0.001, (0, 0, 0.02), (0.5, 0.5, 0.5), body=body)
     maker.turned(
         f"{name}-wall",
         [(0, 0), (v.foot, 0), (v.rim, v.height), (v.rim - wall, v.height), (v.foot - wall, wall), (0, wall)],
@@ -73,7 +77,7 @@ def make_vessel(maker: Maker, body: Any, thing: Thing) -> None:
     maker.shape(f"{name}/wall", f"{name}-wall", colour, body=body, alpha=v.alpha)
     rim_colour = (0.97, 0.97, 0.95) if thing.kind in ("plastic_cup", "bowl") else tuple(0.85 * c for c in colour)
     maker.turned(f"{name}-rim", [(v.rim - wall, v.height - 0.006), (v.rim + 0.002, v.height - 0.006),
-                                 (v.rim + 0.002, v.height), (v.rim - wall, v.height)])  # fmt: skip
+                                 (v.rim + 0.002, v.height + 0.001), (v.rim - wall, v.height + 0.001)])  # fmt: skip
     maker.shape(f"{name}/rim", f"{name}-rim", rim_colour, body=body, alpha=min(1.0, 2 * v.alpha))
     if v.alpha == 1:
         low, high = v.foot - wall, v.rim - wall
@@ -85,7 +89,8 @@ def make_vessel(maker: Maker, body: Any, thing: Thing) -> None:
             (0, 0.006),
         ]
         maker.turned(f"{name}-lining", lining)
-        maker.shape(f"{name}/lining", f"{name}-lining", (0.96, 0.96, 0.95), body=body)
+        maker.shape(f"{name}/lining", f"{name}-lining", (0.86, 0.86, 0.85), body=body)
+        maker.drum(f"{name}/bottom", low - 0.003, 0.0002, (0, 0, 0.0064), (0.60, 0.60, 0.60), body=body)
     if v.plastic:
         for k in range(3):
             z = (0.3 + 0.16 * k) * v.height
@@ -93,12 +98,12 @@ def make_vessel(maker: Maker, body: Any, thing: Thing) -> None:
             maker.turned(
                 f"{name}-rib{k}", [(r, z - 0.003), (r + 0.001, z - 0.003), (r + 0.001, z + 0.003), (r, z + 0.003)]
             )
-            maker.shape(f"{name}/rib{k}", f"{name}-rib{k}", tuple(0.7 * c for c in colour), body=body)
+            maker.shape(f"{name}/rib{k}", f"{name}-rib{k}", tuple(0.7 * c for c in colour), body=body, alpha=v.alpha)
     if thing.kind == "mug":
         x = -v.rim
-        for k, z in enumerate((0.025, 0.065)):
-            maker.rod(f"{name}/handle{k}", 0.006, (x, 0, z), (x - 0.028, 0, z), colour, body=body)
-        maker.rod(f"{name}/grip", 0.006, (x - 0.028, 0, 0.025), (x - 0.028, 0, 0.065), colour, body=body)
+        for k, z in enumerate((0.030, 0.082)):
+            maker.rod(f"{name}/handle{k}", 0.008, (x, 0, z), (x - 0.036, 0, z), colour, body=body)
+        maker.rod(f"{name}/grip", 0.008, (x - 0.036, 0, 0.030), (x - 0.036, 0, 0.082), colour, body=body)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +134,7 @@ REGION_FRONT = -0.05
 """How far the regions lie from the juicer's middle, towards the one who acts (negative: nearer)."""
 
 REGION_HALF = 0.085
-HOPPER_RADIUS, HOPPER_BOTTOM, HOPPER_TOP = 0.085, 0.24, 0.37
+HOPPER_RADIUS, HOPPER_BOTTOM, HOPPER_TOP = 0.085, 0.24, 0.335
 RIND_PLACE = (-0.22, 0.0)
 """Where squeezed fruit lies: on the tray before the juicer."""
 
@@ -152,9 +157,14 @@ def make_juicer(maker: Maker, body: Any, thing: Thing) -> None:
     for side, y in (("waste", WASTE_SIDE), ("juice", JUICE_SIDE)):
         sign = 1 if y > 0 else -1
         maker.rod(
-            f"{name}/{side}pipe", 0.016, (REGION_FRONT / 2, sign * 0.09, 0.20), (REGION_FRONT, y, 0.19), dark, body=body
+            f"{name}/{side}pipe",
+            0.016,
+            (REGION_FRONT / 2, sign * 0.09, 0.205),
+            (REGION_FRONT, y, 0.25),
+            dark,
+            body=body,
         )
-        maker.drum(f"{name}/{side}spout", 0.014, 0.02, (REGION_FRONT, y, 0.165), dark, body=body)
+        maker.drum(f"{name}/{side}spout", 0.014, 0.02, (REGION_FRONT, y, 0.232), dark, body=body)
     maker.drum(f"{name}/collar", HOPPER_RADIUS + 0.006, 0.012, (0, 0, HOPPER_BOTTOM - 0.004), dark, body=body)
     inner = HOPPER_RADIUS - 0.003
     wall = [(HOPPER_RADIUS, HOPPER_BOTTOM), (HOPPER_RADIUS, HOPPER_TOP), (inner, HOPPER_TOP), (inner, HOPPER_BOTTOM)]
