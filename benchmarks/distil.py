@@ -45,9 +45,9 @@ from pix2pred.structs.views import View
 from pix2pred.vlm import VLM, Answer, AnswerStore, Request, StoredVLM
 from pix2pred.vlm.distilled.cascade import Cascade
 from pix2pred.vlm.distilled.files import WEIGHTS, read_reader
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.reader import DistilledReader
 from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
+from pix2pred.vlm.offline.label_question import Look
 from pix2pred.vlm.offline.model import WordDoc, load_words
 from pix2pred.vlm.offline.prompt_format import KnownWord
 
