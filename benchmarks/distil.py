@@ -162,6 +162,7 @@ class Study:
     rate: float
     seed: int
     out: Path
+    grammar: int | None = None
 
     @cached_property
     def teacher(self) -> NoisyOracle:
@@ -172,7 +173,9 @@ class Study:
         """The learned run, learned once; demonstrations are visited for their truth."""
         world, path = self.world, self.out / "run"
         project = generate(world.domain.name, world.family, self.seed)
-        self.settings: Settings = resolve(of_kind(project.simulator), of_project(project.sections))
+        grammar = {} if self.grammar is None else {"grammar": {"max_candidates": self.grammar}}
+        layers = of_kind(project.simulator), of_project(project.sections), of_project(grammar)
+        self.settings: Settings = resolve(*layers)
         if not (path / MODEL).exists():
             world.visit(self.seed)
             vlm = StoredVLM(self.teacher, AnswerStore(path))
@@ -317,6 +320,7 @@ def main() -> None:
     parser.add_argument("--episodes", type=int, nargs="*", default=[0, 5, 20])
     parser.add_argument("--looks", type=int, default=200)
     parser.add_argument("--tasks", type=int, default=10)
+    parser.add_argument("--grammar", type=int, help="most feature predicates; 0 leaves those read from pictures alone")
     parser.add_argument("--out", type=Path, default=Path("runs/distil"))
     parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
@@ -330,7 +334,7 @@ def main() -> None:
     for rate in arguments.rate:
         world = World(load_domain(arguments.domain), arguments.family)
         name = f"{arguments.domain}-{arguments.family}-{rate:g}-{arguments.seed}"
-        study = Study(world, rate, arguments.seed, arguments.out / name)
+        study = Study(world, rate, arguments.seed, arguments.out / name, arguments.grammar)
         for episodes in arguments.episodes:
             if (arguments.domain, arguments.family, rate, arguments.seed, episodes) in done:
                 continue
