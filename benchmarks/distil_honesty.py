@@ -65,7 +65,7 @@ def recoloured(model: DistilledModel, world: World, count: int) -> Iterator[str]
             seen = replace(look, pictures=tuple(turned(p, turn) if turn else p for p in look.pictures))
             atoms = list(atoms_of(model, look))
             for (word, names), reading in zip(atoms, model.read(seen, atoms), strict=True):
-                truth = world.known[look.pictures[0].image.digest].get((word, *names))
+                truth = world.holds(look.pictures, word, names)
                 if truth is None:
                     continue
                 said["atoms"] += 1
