@@ -17,7 +17,7 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
@@ -38,31 +38,38 @@ from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import MODEL, SAMPLERS
 from pix2pred.runs.learn import learn_into, run_config
 from pix2pred.settings import Settings, of_kind, of_project, resolve
-from pix2pred.structs import Action, FromVLM, Object, State, Task, WorldModel
+from pix2pred.structs import Action, FromVLM, Object, Picture, State, Task, WorldModel
 from pix2pred.structs.environment import Environment, SimulatedTask, Step
 from pix2pred.structs.formats.world_model import load_model
 from pix2pred.structs.views import View
 from pix2pred.vlm import VLM, Answer, AnswerStore, Request, StoredVLM
 from pix2pred.vlm.distilled.cascade import Cascade
 from pix2pred.vlm.distilled.files import WEIGHTS, read_reader
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.reader import DistilledReader
 from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
+from pix2pred.vlm.offline.label_question import Look
 from pix2pred.vlm.offline.model import WordDoc, load_words
-from pix2pred.vlm.offline.prompt_format import KnownWord
+from pix2pred.vlm.offline.prompt_format import KnownWord, states_shown
 
 CURVE = (0, 5, 20, 50)
 EPISODE_SEED, TASK_SEED, LOOK_SEED = 1000, 2000, 3000
 """Added to the seed: none of these scenes is among the demonstrations."""
 
 
+Digests = tuple[str, ...]
+
+
+def digests(pictures: Sequence[Picture]) -> Digests:
+    return tuple(p.image.digest for p in pictures)
+
+
 @dataclass
 class World:
-    """A domain whose truth is noted, picture by picture, wherever it is looked at."""
+    """A domain whose truth is noted, state by state, wherever it is looked at."""
 
     domain: Any
     family: str
-    known: dict[str, dict[tuple[str, ...], bool | None]] = field(default_factory=dict)
+    known: dict[Digests, dict[tuple[str, ...], bool | None]] = field(default_factory=dict)
 
     @cached_property
     def words(self) -> dict[tuple[str, tuple[str, ...]], WordDoc]:
@@ -70,7 +77,8 @@ class World:
 
     def note(self, environment: Environment, state: State, objects: Sequence[Object]) -> None:
         """Remember what is true in the environment's present state, under the digests of its pictures."""
-        if any(p.image.digest in self.known for p in state.pictures):
+        if (seen := digests(state.pictures)) in self.known:
+            self.known[seen] = self.known.pop(seen)  # the latest is the last
             return
         truth: dict[tuple[str, ...], bool | None] = {}
         by_type: dict[str, list[Object]] = {}
@@ -81,15 +89,14 @@ class World:
                 if len(set(chosen)) == len(chosen):
                     holds = self.domain.concept_holds(environment, doc.concept, [o.name for o in chosen])
                     truth[word, *(o.prompt_name for o in chosen)] = None if holds is None else holds != doc.negated
-        for picture in state.pictures:
-            self.known[picture.image.digest] = truth
+        self.known[digests(state.pictures)] = truth
 
-    def holds(self, view: View, word: str, names: Sequence[str]) -> bool | None:
-        return self.known[view.picture.image.digest].get((word, *names))
-
-    def oracle(self, rate: float, seed: int) -> NoisyOracle:
-        words = [KnownWord(w, types, str(d.concept), d.negated) for (w, types), d in self.words.items()]
-        return NoisyOracle(words, self.holds, NoiseRates(flip=rate), seed)
+    def holds(self, pictures: Sequence[Picture], word: str, names: Sequence[str]) -> bool | None:
+        """What is true in a state of which these pictures are shown: of several, in the one looked at last."""
+        shown = digests(pictures)
+        if (truth := self.known.get(shown)) is None:
+            truth = next(known for key, known in reversed(self.known.items()) if set(shown) <= set(key))
+        return truth.get((word, *names))
 
     def visit(self, seed: int) -> list[tuple[State, Sequence[Object]]]:
         """The states of the demonstrations of a seed, with their truth noted."""
@@ -138,6 +145,28 @@ class Watched:
         return self.inner.goal_reached()
 
 
+@dataclass(frozen=True)
+class Teacher:
+    """The noisy oracle. It knows a state by all of its pictures: one camera alone may not see what changed."""
+
+    world: World
+    rate: float
+    seed: int
+
+    @property
+    def name(self) -> str:
+        return f"oracle:{self.seed}:{self.rate}"
+
+    def answer(self, request: Request) -> Answer:
+        shown = {n: [v.picture for v in views] for n, views in states_shown(request.views).items()}
+
+        def truth(view: View, word: str, names: Sequence[str]) -> bool | None:
+            return self.world.holds(shown[view.state], word, names)
+
+        words = [KnownWord(w, types, str(d.concept), d.negated) for (w, types), d in self.world.words.items()]
+        return NoisyOracle(words, truth, NoiseRates(flip=self.rate), self.seed).answer(request)
+
+
 @dataclass
 class Counting:
     """Counts questions."""
@@ -154,7 +183,7 @@ class Counting:
         return self.model.answer(request)
 
 
-@dataclass
+@dataclass(eq=False)
 class Study:
     """One teacher on one seed of a family."""
 
@@ -162,17 +191,20 @@ class Study:
     rate: float
     seed: int
     out: Path
+    grammar: int | None = None
 
     @cached_property
-    def teacher(self) -> NoisyOracle:
-        return self.world.oracle(self.rate, self.seed)
+    def teacher(self) -> Teacher:
+        return Teacher(self.world, self.rate, self.seed)
 
     @cached_property
     def run(self) -> RunFolder:
         """The learned run, learned once; demonstrations are visited for their truth."""
         world, path = self.world, self.out / "run"
         project = generate(world.domain.name, world.family, self.seed)
-        self.settings: Settings = resolve(of_kind(project.simulator), of_project(project.sections))
+        grammar = {} if self.grammar is None else {"grammar": {"max_candidates": self.grammar}}
+        layers = of_kind(project.simulator), of_project(project.sections), of_project(grammar)
+        self.settings: Settings = resolve(*layers)
         if not (path / MODEL).exists():
             world.visit(self.seed)
             vlm = StoredVLM(self.teacher, AnswerStore(path))
@@ -213,6 +245,12 @@ class Study:
             stores.append(folder)
         return tuple(stores)
 
+    @cache  # noqa: B019  (a study lives as long as the program)
+    def alone(self, tasks: int) -> tuple[int, int]:
+        """Tasks that the teacher solves without a reader, and the questions it is asked."""
+        asked = Counting(self.teacher)
+        return self.solve(asked, self.tasks(TASK_SEED, tasks)) if tasks else 0, asked.questions
+
     def row(self, episodes: int, looks: int, tasks: int) -> dict[str, Any]:
         folder = self.out / f"reader-{episodes}"
         run = self.run
@@ -224,14 +262,13 @@ class Study:
         asked = Counting(self.teacher)
         cascade = Cascade(reader, asked, _said)
         solved = self.solve(cascade, self.tasks(TASK_SEED, tasks)) if tasks else 0
-        alone = Counting(self.teacher)
-        by_teacher = self.solve(alone, self.tasks(TASK_SEED, tasks)) if tasks else 0
+        by_teacher, questions_of_teacher = self.alone(tasks)
         said = cascade.tally.as_dict()
         return {
             "domain": self.world.domain.name, "family": self.world.family, "rate": self.rate, "seed": self.seed,
             "episodes": episodes, **self.read(folder, looks),
             "tasks": tasks, "solved": solved, "solved_by_teacher": by_teacher,
-            "questions": asked.questions, "questions_of_teacher": alone.questions,
+            "questions": asked.questions, "questions_of_teacher": questions_of_teacher,
             **{k: v for k, v in said.items() if k in ("by_reader", "by_model", "checked", "differed")},
             "looks_taught": card.made_from.looks, "labels": card.made_from.labels, "doubted": card.made_from.doubted,
             "teacher_error": round(float(np.mean([w.teacher_error for w in card.words] or [0.0])), 4),
@@ -268,7 +305,7 @@ class Study:
             look = Look(tuple(v.picture for v in shown), {o.prompt_name: o.type.name for o in objects})
             texts = [(atom_text(a).partition("(")[0], tuple(o.prompt_name for o in a.objects)) for a in atoms]
             for (word, names), reading in zip(texts, model.read(look, texts), strict=True):
-                truth = self.world.holds(shown[0], word, names)
+                truth = self.world.holds(look.pictures, word, names)
                 if truth is None:
                     continue
                 count["atoms"] += 1
@@ -317,6 +354,7 @@ def main() -> None:
     parser.add_argument("--episodes", type=int, nargs="*", default=[0, 5, 20])
     parser.add_argument("--looks", type=int, default=200)
     parser.add_argument("--tasks", type=int, default=10)
+    parser.add_argument("--grammar", type=int, help="most feature predicates; 0 leaves those read from pictures alone")
     parser.add_argument("--out", type=Path, default=Path("runs/distil"))
     parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
@@ -330,7 +368,7 @@ def main() -> None:
     for rate in arguments.rate:
         world = World(load_domain(arguments.domain), arguments.family)
         name = f"{arguments.domain}-{arguments.family}-{rate:g}-{arguments.seed}"
-        study = Study(world, rate, arguments.seed, arguments.out / name)
+        study = Study(world, rate, arguments.seed, arguments.out / name, arguments.grammar)
         for episodes in arguments.episodes:
             if (arguments.domain, arguments.family, rate, arguments.seed, episodes) in done:
                 continue

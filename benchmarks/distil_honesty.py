@@ -23,9 +23,9 @@ from pix2pred.predicates.prompt import views
 from pix2pred.registry import load_domain
 from pix2pred.structs import Image, Object, Picture, State
 from pix2pred.vlm.distilled.files import read_reader
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.model import DistilledModel
 from pix2pred.vlm.distilled.regions import Names
+from pix2pred.vlm.offline.label_question import Look
 
 TURNS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.5)
 SEED = 4000
@@ -65,7 +65,7 @@ def recoloured(model: DistilledModel, world: World, count: int) -> Iterator[str]
             seen = replace(look, pictures=tuple(turned(p, turn) if turn else p for p in look.pictures))
             atoms = list(atoms_of(model, look))
             for (word, names), reading in zip(atoms, model.read(seen, atoms), strict=True):
-                truth = world.known[look.pictures[0].image.digest].get((word, *names))
+                truth = world.holds(look.pictures, word, names)
                 if truth is None:
                     continue
                 said["atoms"] += 1

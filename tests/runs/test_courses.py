@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from pix2pred.runs.distilling.courses import Asked, LabelledLook, Node, Step, weighed_labels
 from pix2pred.runs.distilling.demonstrations import Taught
@@ -58,6 +59,7 @@ def test_a_label_that_contradicts_what_skills_do_is_turned_round() -> None:
     said[4] = (False, True)  # lamp1 was just switched on again
     asked = Asked()
     nodes = episode(asked, said, STEPS)
+    asked.looks[nodes[0][1]].votes["lit", ("lamp9",)][True] += 1  # an atom about nothing that is there
     weighed = weighed_labels(asked, taught())
     for (_, key), values in zip(nodes, TRUTH, strict=True):
         likely = tuple(weighed[key]["lit", (lamp,)] for lamp in TYPES)
@@ -65,9 +67,10 @@ def test_a_label_that_contradicts_what_skills_do_is_turned_round() -> None:
         assert all(weight > 0.5 for _, weight in likely)
 
 
-def test_without_the_skills_votes_count_as_they_are() -> None:
+@pytest.mark.parametrize("step", [("Break", ("lamp1",)), ("SwitchOn", ("lamp7",))])
+def test_of_skills_and_objects_that_nobody_knows_votes_count_as_they_are(step: Step) -> None:
     asked = Asked()
-    [first, *_] = episode(asked, TRUTH, [("Break", ("lamp1",))] * len(STEPS))
+    [first, *_] = episode(asked, TRUTH, [step] * len(STEPS))
     asked.looks[first[1]].votes["lit", ("lamp1",)][True] += 2
     weighed = weighed_labels(asked, taught())
     assert weighed[first[1]]["lit", ("lamp1",)] == (True, 1 / 3)

@@ -9,7 +9,7 @@ import numpy as np
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.vlm.distilled.fitting.fit import Fitted, fit
 from pix2pred.vlm.distilled.fitting.lesson import Example, FitSettings, Lesson
-from pix2pred.vlm.distilled.looks import Look
+from pix2pred.vlm.offline.label_question import Look
 
 SIDE, LAMP = 96, 20
 BRIGHT, DARK, WALL, TRAY = (250, 220, 60), (70, 60, 50), (120, 140, 160), (160, 60, 60)

@@ -11,8 +11,8 @@ from pix2pred.structs import Image, Picture
 from pix2pred.vlm.distilled.calibration import calibrate
 from pix2pred.vlm.distilled.fitting.fit import fit
 from pix2pred.vlm.distilled.fitting.lesson import Lesson, LessonError
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.model import Reading, Why
+from pix2pred.vlm.offline.label_question import Look
 from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, lesson, taught
 
 

@@ -27,12 +27,12 @@ from pix2pred.vlm.distilled.files import (
     read_reader,
     write_reader,
 )
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.reader import DistilledReader
 from pix2pred.vlm.distilled.tally import Checked, Tally
 from pix2pred.vlm.mailbox import MailboxVLM
 from pix2pred.vlm.mailbox_folder import MailboxFolder
 from pix2pred.vlm.model_spec import ModelNameError
+from pix2pred.vlm.offline.label_question import Look
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, taught
 from vlm.test_mailbox import AGES, awaited

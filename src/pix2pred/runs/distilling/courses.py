@@ -105,19 +105,21 @@ def weighed_labels(asked: Asked, found: Taught) -> Mapping[LookKey, Weighed]:
 
 
 def _demo(asked: Asked, looks: Sequence[LookKey], steps: Sequence[Step], found: Taught) -> LabelledDemo | None:
-    """The labels of states that followed one another; none where a type or skill is not of the vocabulary."""
+    """The labels of states that followed one another; none where a type, skill or object is not known."""
     types = {t.name: t for t in found.vocabulary.types}
     skills = {s.name: s for s in found.vocabulary.skills}
     named = {name: kind for key in looks for name, kind in asked.looks[key].types.items()}
-    if not types.keys() >= set(named.values()) or not skills.keys() >= {skill for skill, _ in steps}:
+    touched = {name for _, names in steps for name in names}
+    if set(named.values()) - types.keys() or {skill for skill, _ in steps} - skills.keys() or touched - named.keys():
         return None
     objects = {name: Object(name, types[kind]) for name, kind in named.items()}
     columns: dict[tuple[str, Names], Atom] = {}
     for key in looks:
         for word, names in asked.looks[key].votes:
-            predicate = _predicate(word, [objects[n] for n in names], found.predicates)
-            if predicate is not None:
-                columns[word, names] = Atom(predicate, tuple(objects[n] for n in names))
+            about = [objects[n] for n in names if n in objects]
+            predicate = _predicate(word, about, found.predicates)
+            if predicate is not None and len(about) == len(names):
+                columns[word, names] = Atom(predicate, tuple(about))
     values = np.full((len(looks), len(columns)), Label.UNKNOWN, dtype=np.int8)
     for state, key in enumerate(looks):
         for column, atom in enumerate(columns):

@@ -15,7 +15,7 @@ from pix2pred.runs.layout import EVIDENCE, MODEL, TRACES
 from pix2pred.structs import Atom, FromVLM, Label, LabelledDemo, Picture, Predicate, Vocabulary
 from pix2pred.structs.formats.world_model import load_model
 from pix2pred.vlm.distilled.fitting.lesson import Example
-from pix2pred.vlm.distilled.looks import Look
+from pix2pred.vlm.offline.label_question import Look
 
 LEAST_WEIGHT = 0.2
 """Labels that are as likely wrong as right teach nothing and are left out."""

@@ -58,8 +58,8 @@ def distil(sources: Sources, out: Path, progress: Progress = silent) -> CardDoc:
     found = taught_by_demonstrations(run, stores, everything=sources.everything)
     if not found.predicates:
         raise LessonError(
-            f"{run.path}: no predicate of its world model is read from pictures, so there is nothing to teach; "
-            "--all teaches the words of the pool"
+            f"{run.path}: no predicate of its world model is read from pictures, so there is nothing to teach; learn "
+            "with the setting grammar.max_candidates: 0 for one that is, or teach the words of the pool with --all"
         )
     for store in own:
         add_episodes(found, store, teacher, stores)

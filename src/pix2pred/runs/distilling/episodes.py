@@ -15,7 +15,7 @@ from pix2pred.structs import Label, Picture
 from pix2pred.vlm import AnswerStore, Finish, Purpose
 from pix2pred.vlm.answers.inspection import StoredEntry, read_all
 from pix2pred.vlm.distilled.fitting.lesson import Example
-from pix2pred.vlm.distilled.looks import Look
+from pix2pred.vlm.offline.label_question import Look
 from pix2pred.vlm.offline.prompt_format import asked_atoms, executed_skills, object_types
 
 _LABELLING = frozenset({Purpose.LABEL, Purpose.DOUBLE_CHECK, Purpose.HISTORY, Purpose.ASK_AGAIN})

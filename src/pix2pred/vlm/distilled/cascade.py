@@ -14,9 +14,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pix2pred.vlm.distilled.model import Reading
-from pix2pred.vlm.distilled.question import LABELLING, LabelQuestion, about
+from pix2pred.vlm.distilled.question import LABELLING, about
 from pix2pred.vlm.distilled.reader import DistilledReader, Line, written
 from pix2pred.vlm.distilled.tally import Checked, Tally
+from pix2pred.vlm.offline.label_question import LabelQuestion
 from pix2pred.vlm.offline.prompt_format import AskedAtom
 from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, Token
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from pix2pred.vlm.distilled.calibration import Calibration
 from pix2pred.vlm.distilled.codes import RegionCode
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.machine import Compared, Rows, WordMachine
 from pix2pred.vlm.distilled.regions import Kinds, Names, PictureSeen, kinds_of_regions, regions_of
 from pix2pred.vlm.distilled.sight import Array
+from pix2pred.vlm.offline.label_question import Look
 
 AtomAsked = tuple[str, Names]
 """A word and the names of its objects, as in a prompt."""

@@ -1,49 +1,17 @@
-"""A labelling question as a reader takes it: atoms, what was said before, and a look at every state it is about."""
+"""Which questions a distilled reader answers, and the same question about fewer atoms."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
-from pix2pred.structs.views import View
-from pix2pred.vlm.distilled.looks import Look
-from pix2pred.vlm.offline.prompt_format import (
-    AskedAtom,
-    asked_atoms,
-    current_views,
-    object_types,
-    previous_values,
-    states_shown,
-)
+from pix2pred.vlm.offline.prompt_format import AskedAtom
 from pix2pred.vlm.request import Part, Purpose, Request
 
 _LIST = "\nPredicates:\n"
-_WORDS = {"True": True, "False": False}
 LABELLING = frozenset({Purpose.LABEL, Purpose.DOUBLE_CHECK, Purpose.HISTORY})
 """Questions about labels that a reader answers. One that is asked again wants another opinion than it has."""
-
-
-@dataclass(frozen=True, slots=True)
-class LabelQuestion:
-    """``looks`` are the states by number; only the latest counts unless the question is about a history."""
-
-    atoms: tuple[AskedAtom, ...]
-    before: Mapping[str, bool]
-    looks: Mapping[int, Look]
-
-    @classmethod
-    def of(cls, request: Request) -> LabelQuestion:
-        """What a request asks."""
-        text = request.text
-        types = object_types(text)
-        shown: Mapping[int, Sequence[View]] = states_shown(request.views)
-        if request.purpose != Purpose.HISTORY:
-            latest = current_views(request.views)
-            shown = {latest[0].state: latest} if latest else {}
-        looks = {n: Look(tuple(view.picture for view in views), types) for n, views in shown.items()}
-        said = {atom: _WORDS[word] for atom, word in previous_values(text).items() if word in _WORDS}
-        return cls(tuple(asked_atoms(text)), said, looks)
 
 
 def about(request: Request, atoms: Sequence[AskedAtom]) -> Request:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from pix2pred.vlm.distilled.files import CardDoc
 from pix2pred.vlm.distilled.model import DistilledModel, Reading, Why
-from pix2pred.vlm.distilled.question import LABELLING, LabelQuestion
+from pix2pred.vlm.distilled.question import LABELLING
+from pix2pred.vlm.offline.label_question import LabelQuestion
 from pix2pred.vlm.offline.prompt_format import (
     AskedAtom,
     KnownWord,

@@ -14,8 +14,9 @@ import numpy as np
 import PIL.Image
 
 from pix2pred.structs import Box, Picture
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Change, Shown, see
+from pix2pred.vlm.offline.label_question import Look
+from pix2pred.vlm.offline.pixels import is_blank
 
 Kinds = tuple[str, ...]
 """What an atom is about: the type of each object, or its name after ``@`` where nobody says where it is."""
@@ -60,7 +61,7 @@ class PictureSeen:
         """Whether none of the boxes is blank."""
         for name in names:
             if name not in self._blank:
-                self._blank[name] = self.shown.is_blank(self.box(name))
+                self._blank[name] = is_blank(self.shown.copy(0), self.box(name))
         return not any(self._blank[name] for name in names)
 
     def box(self, name: str) -> Box:

@@ -26,8 +26,6 @@ ORIENTATIONS, CELLS = 8, 4
 """Gradients are counted by orientation in a grid of CELLS x CELLS cells."""
 FINE = 2
 """Pixels, in width and height, of which each pixel of a part is the mean at least."""
-BLANK = 2.0
-"""A box whose grey values deviate less than this (of 255) shows nothing."""
 
 PARTS: Mapping[str, int] = {
     "near": (NEAR_SIDE // 2) ** 2 * 3,
@@ -81,14 +79,6 @@ class Shown:
         while len(self.copies) <= halvings:
             self.copies.append(self.copies[-1].reduce(2))
         return self.copies[halvings]
-
-    def is_blank(self, box: Box) -> bool:
-        """Whether a box shows nothing: it is empty, lies outside, or holds one grey value alone."""
-        area = (round(box.left), round(box.top), round(box.right), round(box.bottom))
-        if area[2] <= area[0] or area[3] <= area[1]:
-            return True
-        grey = np.asarray(self.copies[0].crop(area).convert("L"), dtype=np.float32)
-        return bool(grey.std() < BLANK)
 
     def square(self, center: tuple[float, float], half: float, side: int) -> Array:
         """A square of the picture as ``side`` times ``side`` pixels of values from 0 to 1; black outside the picture.

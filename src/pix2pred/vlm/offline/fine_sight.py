@@ -14,7 +14,7 @@ import PIL.Image
 from numpy.typing import NDArray
 
 from pix2pred.structs import Box
-from pix2pred.vlm.offline.pixels import Scene, Vector
+from pix2pred.vlm.offline.pixels import Scene, Vector, is_blank
 
 TIGHT_SIDE, WIDE_SIDE, EDGE_SIDE = 20, 12, 48
 """Pixels that the three crops of an object are resized to."""
@@ -43,7 +43,7 @@ class FineScene(Scene):
 
     def _compute_crops(self, name: str) -> Vector | None:
         box = self.box(name)
-        if box is None or box.width < 1 or box.height < 1 or self._is_blank(box):
+        if box is None or box.width < 1 or box.height < 1 or is_blank(self.image, box):
             return None
         longest = max(box.width, box.height)
         tight, wide, fine = (

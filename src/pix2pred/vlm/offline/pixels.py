@@ -24,6 +24,14 @@ BLANK_DEVIATION = 2.0
 """A box whose grey values deviate less than this (of 255) shows nothing."""
 
 
+def is_blank(image: PIL.Image.Image, box: Box) -> bool:
+    """Whether a box shows nothing: it is empty, lies outside, or holds one grey value alone."""
+    area = (round(box.left), round(box.top), round(box.right), round(box.bottom))
+    if area[2] <= area[0] or area[3] <= area[1]:
+        return True
+    return bool(np.asarray(image.crop(area).convert("L"), dtype=np.float32).std() < BLANK_DEVIATION)
+
+
 @dataclass(slots=True)
 class Scene:
     """One picture being read; crops are kept because many words ask about the same object."""
@@ -52,16 +60,11 @@ class Scene:
 
     def _compute_crops(self, name: str) -> Vector | None:
         box = self.box(name)
-        if box is None or box.width < 1 or box.height < 1 or self._is_blank(box):
+        if box is None or box.width < 1 or box.height < 1 or is_blank(self.image, box):
             return None
         longest = max(box.width, box.height)
         parts = [self._square(box, longest * scale) for scale in (TIGHT, WIDE)]
         return np.concatenate(parts)
-
-    def _is_blank(self, box: Box) -> bool:
-        area = (round(box.left), round(box.top), round(box.right), round(box.bottom))
-        grey = np.asarray(self.image.crop(area).convert("L"), dtype=np.float32)
-        return grey.size == 0 or bool(grey.std() < BLANK_DEVIATION)
 
     def _square(self, box: Box, side: float) -> Vector:
         x, y = box.center

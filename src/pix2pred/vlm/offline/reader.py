@@ -9,23 +9,19 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 
-from pix2pred.structs.views import View
+from pix2pred.structs import Picture
+from pix2pred.vlm.offline.label_question import LabelQuestion, Look
 from pix2pred.vlm.offline.model import ReaderModel
 from pix2pred.vlm.offline.pixels import Scene
 from pix2pred.vlm.offline.prompt_format import (
     AskedAtom,
     KnownWord,
-    asked_atoms,
-    current_views,
     definition_answer,
     history_line,
     label_answer,
-    object_types,
-    previous_values,
     proposal_answer,
-    states_shown,
     value_line,
 )
 from pix2pred.vlm.request import Answer, Purpose, Request
@@ -52,51 +48,33 @@ class OfflineReader:
             return Answer(proposal_answer(text, self._words))
         if request.purpose == Purpose.DEFINE:
             return Answer(definition_answer(text, self._words))
-        if request.purpose == Purpose.HISTORY:
-            return Answer("\n".join(self._histories(request)))
-        types, previous = object_types(text), previous_values(text)
-        scenes = [self._scene(view, types) for view in current_views(request.views)]
-        lines = [self._label(atom, types, scenes, previous) for atom in asked_atoms(text)]
-        return Answer(label_answer(text, lines))
+        question, history = LabelQuestion.of(request), request.purpose == Purpose.HISTORY
+        lines = []
+        for atom in question.atoms:
+            value, why = question.before.get(str(atom)), ""
+            values: dict[int, bool | None] = {}
+            for number, look in question.looks.items():
+                value, why = self._value(atom, look, value)
+                values[number] = value
+            lines.append(history_line(atom, values) if history else value_line(atom, value, why))
+        return Answer("\n".join(lines) if history else label_answer(text, lines))
 
-    def _histories(self, request: Request) -> Iterator[str]:
-        """A line per atom: its value in every state shown, an object without a box keeping its value."""
-        text = request.text
-        types, before = object_types(text), previous_values(text)
-        states = {
-            number: [self._scene(view, types) for view in shown]
-            for number, shown in states_shown(request.views).items()
-        }
-        for atom in asked_atoms(text):
-            said = {"True": True, "False": False}.get(before.get(str(atom), "Unknown"))
-            values = {number: (said := self._value(atom, types, scenes, said)[0]) for number, scenes in states.items()}
-            yield history_line(atom, values)
-
-    def _label(
-        self, atom: AskedAtom, types: Mapping[str, str], scenes: Sequence[Scene], previous: Mapping[str, str]
-    ) -> str:
-        before = {"True": True, "False": False}.get(previous.get(str(atom), "Unknown"))
-        value, why = self._value(atom, types, scenes, before)
-        return value_line(atom, value, why)
-
-    def _value(
-        self, atom: AskedAtom, types: Mapping[str, str], scenes: Sequence[Scene], before: bool | None
-    ) -> tuple[bool | None, str]:
+    def _value(self, atom: AskedAtom, look: Look, before: bool | None) -> tuple[bool | None, str]:
         """The value of ``atom`` in a state and what it rests on; ``before`` is its value in the state before."""
+        scenes = [self._scene(picture, look.types) for picture in look.pictures]
         hidden = [n for n in atom.names if all(scene.box(n) is None for scene in scenes)]
         if hidden:
             return before, f"{hidden[0]} has no box in this picture; value as before."
-        signature = [types.get(n, "") for n in atom.names]
         seeing = [scene for scene in scenes if all(scene.box(n) is not None for n in atom.names)]
-        read = self._model.joint_value(atom.word, atom.names, signature, seeing)
+        read = self._model.joint_value(atom.word, atom.names, look.signature(atom.names), seeing)
         return read[0], f"Probability of True {read[1]:.2f}."
 
-    def _scene(self, view: View, types: Mapping[str, str]) -> Scene:
-        """The picture of a view, remembered while queries about the same state come in."""
-        key = (view.picture.image.digest, *((n, b, types.get(n)) for n, b in view.boxes.items()))
+    def _scene(self, picture: Picture, types: Mapping[str, str]) -> Scene:
+        """A picture, remembered while queries about the same state come in."""
+        key = (picture.image.digest, *((n, b, types.get(n)) for n, b in sorted(picture.boxes.items())))
         with self._lock:
             if key not in self._scenes:
-                self._scenes[key] = self._model.words.scene(view.picture, types)
+                self._scenes[key] = self._model.words.scene(picture, types)
                 if len(self._scenes) > _REMEMBERED_SCENES:
                     self._scenes.popitem(last=False)
             return self._scenes[key]

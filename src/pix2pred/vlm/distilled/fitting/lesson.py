@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.system.errors import Pix2predError
-from pix2pred.vlm.distilled.looks import Look
 from pix2pred.vlm.distilled.regions import Names
+from pix2pred.vlm.offline.label_question import Look
 
 
 class LessonError(Pix2predError, ValueError):
