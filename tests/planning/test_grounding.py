@@ -101,10 +101,13 @@ def test_hostile_eight_parameters_join_without_enumerating_all_tuples() -> None:
     assert len(ground([walk], objects, facts, []).instances) == 23  # 30**8 tuples
 
 
-def test_hostile_more_distinct_parameters_than_objects_ends_at_a_budget() -> None:
+def test_hostile_forty_distinct_parameters_are_refused_or_end_at_a_budget_that_is_named() -> None:
     many = operator(tuple(Variable(f"?x{i}", BALL) for i in range(40)), frozenset(), frozenset())
-    with pytest.raises(GroundingBudgetError, match="too many tries for a budget of 50 operators"):
-        ground([many], [Object(f"b{i}", BALL) for i in range(39)], frozenset(), (), budget=50)
+    assert not ground([many], [Object(f"b{i}", BALL) for i in range(39)], frozenset(), (), budget=50).instances
+    clear = lifted(*(LiftedAtom(CLEAR, (v,)) for v in many.parameters))
+    with pytest.raises(GroundingBudgetError, match="0 so far, takes more work than a budget of 50 allows; it has 40 par"):
+        objects = [Object(f"b{i}", BALL) for i in range(60)]
+        ground([operator(many.parameters, clear, frozenset())], objects, frozenset(map(CLEAR, objects)), (), budget=50)
 
 
 def test_hostile_a_task_whose_bits_would_fill_the_memory_is_refused_before_they_are_made() -> None:

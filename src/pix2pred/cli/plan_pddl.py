@@ -70,7 +70,7 @@ def plan_pddl(
     cost = checked.cost if found.status == PlanStatus.SOLVED and any(a.costs for a in read.actions) else None
     if json:
         document = {"status": found.status, "plan": lines, "nodes": found.nodes, "seconds": round(found.seconds, 4)}
-        print_json(document if cost is None else {**document, "cost": cost})
+        print_json(document | ({} if cost is None else {"cost": cost}) | ({"why": found.why} if found.why else {}))
     else:
         for line in lines:
             console.print(line, markup=False)
@@ -90,6 +90,8 @@ def _last_line(found: PddlPlan, cost: int | None, *, asked: bool) -> str:
     """How the search ended, as a comment of the plan format."""
     if found.status == PlanStatus.TIMEOUT:
         return f"; stopped after {found.seconds:.0f} s without a plan; --time-limit allows more"
+    if found.why:
+        return f"; {found.status} before the search: {found.why}"
     nodes = "nodes unknown" if found.nodes is None else f"{found.nodes} nodes"
     costs = "" if cost is None else f"cost {cost}, " if asked else f"cost {cost} (no :metric asks for a small one), "
     return f"; {found.status}, {len(found.steps)} steps, {costs}{nodes}, {found.seconds:.3f} s"

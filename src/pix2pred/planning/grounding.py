@@ -92,7 +92,8 @@ class _NumberedOperators:
 
             apart = all_apart(len(position)) if distinct else [()] * len(position)
             allowed = [by_type[v.type] for v in operator.parameters]
-            self.schemas.append(Schema(allowed, numbered(operator.preconditions), numbered(operator.add), apart))
+            pre, add = numbered(operator.preconditions), numbered(operator.add)
+            self.schemas.append(Schema(allowed, pre, add, apart, operator.name))
             self.delete.append(numbered(operator.delete))
 
 

@@ -26,6 +26,10 @@ TRIES_PER_INSTANCE = 64
 """Values tried for parameters per instance that the budget allows. Not tuned: room for bad orders."""
 
 
+CHEAP_PARAMETERS = 4
+"""Parameters whose bookkeeping costs as much as trying a value. An operator of 40 then ends within some seconds."""
+
+
 class GroundingBudgetError(Pix2predError, RuntimeError):
     """The task has more ground operators than the budget allows, or finding them takes more work than that."""
 
@@ -41,6 +45,8 @@ class Schema:
     pre: tuple[Fact, ...]
     add: tuple[Fact, ...]
     apart: Sequence[tuple[int, ...]]
+    name: str = ""
+    """What messages call it."""
     binds: tuple[int, ...] = ()
     """Parameters of each precondition, as bits."""
     access: dict[tuple[int, int], tuple[_Table, Key]] = field(default_factory=dict)
@@ -48,6 +54,19 @@ class Schema:
 
     def __post_init__(self) -> None:
         self.binds = tuple(sum(1 << v for v in set(p[1:])) for p in self.pre)
+
+    @property
+    def cost(self) -> int:
+        """What trying one value takes, in values of an operator with few parameters."""
+        return max(1, len(self.allowed) // CHEAP_PARAMETERS)
+
+    def impossible(self) -> bool:
+        """Whether parameters that must all be different are more than the objects that they may be."""
+        together: list[int] = []
+        for v, others in enumerate(self.apart):
+            if all(w in others for w in together):
+                together.append(v)
+        return len(together) > len(frozenset().union(*(self.allowed[v] for v in together)))
 
 
 def all_apart(count: int) -> list[tuple[int, ...]]:
@@ -84,10 +103,10 @@ class Instances:
         self._tables: dict[int, dict[tuple[int, ...], _Table]] = defaultdict(dict)
         triggers: dict[int, list[tuple[int, int]]] = defaultdict(list)
         for s, schema in enumerate(schemas):
-            for i, precondition in enumerate(schema.pre):
+            for i, precondition in enumerate(schema.pre if not schema.impossible() else ()):
                 triggers[precondition[0]].append((s, i))
         for s, schema in enumerate(schemas):
-            if not schema.pre:
+            if not schema.pre and not schema.impossible():
                 self._complete(s, [-1] * len(schema.allowed))
         for fact in self._queue:  # grows while it is worked off
             if fact not in self.facts:
@@ -126,7 +145,7 @@ class Instances:
         if bound | schema.binds[best] == bound:
             self._extend(s, left, bound, binding)
             return
-        self._try(len(fewest))
+        self._try(schema, len(fewest))
         for fact in fewest:
             extended = binding.copy()
             if _bind(schema, precondition, fact, extended):
@@ -149,7 +168,7 @@ class Instances:
         schema = self._schemas[s]
         if -1 in binding:
             variable = binding.index(-1)
-            self._try(len(schema.allowed[variable]))
+            self._try(schema, len(schema.allowed[variable]))
             taken = {binding[w] for w in schema.apart[variable]}
             for value in sorted(schema.allowed[variable]):
                 if value not in taken:
@@ -159,19 +178,20 @@ class Instances:
         if instance in self.found:
             return
         if len(self.found) >= self._budget:
-            raise GroundingBudgetError(f"more than {self._budget} ground operators are reachable")
+            raise GroundingBudgetError(f"{schema.name}: more than {self._budget} ground operators are reachable")
         self.found[instance] = None
         for effect in schema.add:
             fact = (effect[0], *(binding[v] for v in effect[1:]))
             if fact not in self.facts:
                 self._queue.append(fact)
 
-    def _try(self, values: int) -> None:
+    def _try(self, schema: Schema, values: int) -> None:
         """Account for ``values`` that are tried for a parameter."""
-        self._tries -= values
+        self._tries -= values * schema.cost
         if self._tries < 0:
             raise GroundingBudgetError(
-                f"finding the ground operators takes too many tries for a budget of {self._budget} operators"
+                f"{schema.name}: finding its ground operators, {len(self.found)} so far, takes more work "
+                f"than a budget of {self._budget} allows; it has {len(schema.allowed)} parameters"
             )
 
 

@@ -94,12 +94,15 @@ class TransitionClass:
         atoms = list(product(*([v for v, t in enumerate(self.types) if t.is_a(w)] for w in wanted)))
         for member, variable in zip(self.members, self.variables(), strict=True):
             true = data.before(member.transition, predicate) if atoms else ()
-            if len(true) <= len(atoms):
-                found = [tuple([variable.get(o, -1) for o in args]) for args in true]
-                yield [lifted for lifted in found if -1 not in lifted]
-            else:
+            if len(true) > len(atoms):
                 objects = member.objects
                 yield [lifted for lifted in atoms if tuple([objects[v] for v in lifted]) in true]
+            elif len(wanted) == 1:
+                yield [(variable[o],) for (o,) in true if o in variable]
+            elif len(wanted) == 2:
+                yield [(variable[a], variable[b]) for a, b in true if a in variable and b in variable]
+            else:
+                yield [tuple([variable[o] for o in args]) for args in true if all(o in variable for o in args)]
 
 
 Partition = tuple[TransitionClass, ...]

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import partial
 
 from pix2pred.planning.heuristics.ff import FF
+from pix2pred.planning.heuristics.opening import Opening
 from pix2pred.planning.strips import Strips, bits
 
 
@@ -24,40 +25,39 @@ class EasyFF(FF):
             for fact in bits(add):
                 self._adding[fact].append(way)
 
+        self._pre = [tuple(bits(pre)) for pre, _, _ in self._ways]
+
     def _achievers(self, state: int) -> Callable[[int], int] | None:
-        layers = self._layers(state)
-        return None if layers is None else partial(self._easiest, layers)
+        level = self._levels(state)
+        return None if level is None else partial(self._easiest, level)
 
-    def _layers(self, state: int) -> list[int] | None:
-        """The facts reached after 0, 1, 2, ... layers of operators; ``None`` when the goal is never among them."""
-        layers = [state]
-        waiting = self._ways
-        while self._goal & ~layers[-1]:
-            missing = ~layers[-1]
-            reached = layers[-1]
-            still = []
-            for way in waiting:
-                if way[0] & missing:
-                    still.append(way)
-                else:
-                    reached |= way[1]
-            if reached == layers[-1]:
+    def _levels(self, state: int) -> dict[int, int] | None:
+        """The layers in which facts are reached, 0 where they hold; ``None`` when the goal is in none of them."""
+        level = dict.fromkeys(bits(state), 0)
+        reached, new = state, 0
+        opening = Opening(self._operators)
+        layer = 0
+        while self._goal & ~reached:
+            before = reached
+            for _, add, _ in opening.layer(~before, new):
+                reached |= add
+            new = reached & ~before
+            if not new:
                 return None
-            layers.append(reached)
-            waiting = still
-        return layers
+            layer += 1
+            for fact in bits(new):
+                level[fact] = layer
+        return level
 
-    def _easiest(self, layers: list[int], fact: int) -> int:
+    def _easiest(self, level: dict[int, int], fact: int) -> int:
         """The easiest way to ``fact`` among those that are open in the layer before its first."""
-        bit = 1 << fact
-        level = next(i for i, layer in enumerate(layers) if layer & bit)
-        missing = ~layers[level - 1]
+        before = level[fact] - 1
         best, least = -1, -1
         for way in self._adding[fact]:
-            pre = self._ways[way][0]
-            if pre & missing:
+            levels = [level.get(p, before + 1) for p in self._pre[way]]
+            if levels and max(levels) > before:
                 continue
-            difficulty = sum((pre & ~layer).bit_count() for layer in layers[: level - 1])
+            difficulty = sum(levels)
             if best < 0 or difficulty < least:
                 best, least = way, difficulty
                 if not difficulty:

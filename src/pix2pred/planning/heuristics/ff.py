@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from pix2pred.planning.heuristics.heuristic import Evaluation, Heuristic
+from pix2pred.planning.heuristics.opening import Opening
 from pix2pred.planning.strips import Strips, bits
 
 
@@ -51,22 +52,16 @@ class FF(Heuristic):
 
     def _achievers(self, state: int) -> Callable[[int], int] | None:
         """What tells the operator that achieves a fact; ``None`` when the goal cannot be reached from ``state``."""
-        goal = self._goal
-        reached = state
+        reached, new = state, 0
         achiever: dict[int, int] = {}
-        waiting = self._operators
-        while goal & ~reached:
-            layer = reached
-            still = []
-            for operator in waiting:
-                pre, add, way = operator
-                if pre & ~layer:
-                    still.append(operator)
-                    continue
+        opening = Opening(self._operators)
+        while self._goal & ~reached:
+            before = reached
+            for _, add, way in opening.layer(~before, new):
                 for fact in bits(add & ~reached):
                     achiever[fact] = way
                 reached |= add
-            if reached == layer:
+            new = reached & ~before
+            if not new:
                 return None
-            waiting = still
         return achiever.__getitem__

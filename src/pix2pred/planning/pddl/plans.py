@@ -17,13 +17,14 @@ from pix2pred.structs import PlanStatus
 class PddlPlan:
     """The outcome of planning; ``nodes`` counts created search nodes (``None``: an external planner does not tell).
 
-    ``seconds`` is wall time and decides nothing.
+    ``seconds`` is wall time and decides nothing. ``why`` says which budget did not suffice for grounding.
     """
 
     status: PlanStatus
     steps: tuple[PddlStep, ...]
     nodes: int | None
     seconds: float
+    why: str = ""
 
 
 def solve_pddl(domain: PddlDomain, problem: PddlProblem, planner: Planner) -> PddlPlan:
@@ -31,8 +32,8 @@ def solve_pddl(domain: PddlDomain, problem: PddlProblem, planner: Planner) -> Pd
     start = time.perf_counter()
     try:
         task = ground_pddl(domain, problem, planner.max_operators)
-    except GroundingBudgetError:
-        return PddlPlan(PlanStatus.BUDGET, (), 0, time.perf_counter() - start)
+    except GroundingBudgetError as error:
+        return PddlPlan(PlanStatus.BUDGET, (), 0, time.perf_counter() - start, str(error))
     if not task.goal_reachable:
         return PddlPlan(PlanStatus.UNSOLVABLE, (), 0, time.perf_counter() - start)
     found = planner.search(task.strips)

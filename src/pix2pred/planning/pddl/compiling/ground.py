@@ -16,7 +16,7 @@ from pix2pred.planning.grounding import DEFAULT_BUDGET
 from pix2pred.planning.instances import Instances
 from pix2pred.planning.pddl.compiling.decided import DecidedChanges, Decider, GroundRule
 from pix2pred.planning.pddl.compiling.layout import GroundEffect, GroundOperation, operation, task_of
-from pix2pred.planning.pddl.compiling.schemas import NOTHING, Numbers, SplitSchema, split
+from pix2pred.planning.pddl.compiling.schemas import Numbers, SplitSchema, nothing, split
 from pix2pred.planning.pddl.formulas import TRUE, DerivedPredicate, Effect, FunctionValue, Literal, PddlAction
 from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.planning.pddl.steps import PddlStep
@@ -117,7 +117,7 @@ class _PddlGrounder:
 
     def _action_splits(self, action: PddlAction) -> Iterator[_ActionSplit]:
         plain = tuple(e.literal for e in action.effects if not e.variables and e.condition == TRUE)
-        for made in split(NOTHING, action.parameters, action.precondition, plain, self._numbers):
+        for made in split(nothing(action.name), action.parameters, action.precondition, plain, self._numbers):
             number = self._entered(made)
             special = tuple(
                 _EffectSplit(self._entered(way), way, effect)
@@ -129,7 +129,7 @@ class _PddlGrounder:
 
     def _rule_splits(self, rule: DerivedPredicate) -> Iterator[tuple[int, Literal]]:
         head = Literal(rule.head, tuple(p.name for p in rule.parameters))
-        for made in split(NOTHING, rule.parameters, rule.body, [head], self._numbers):
+        for made in split(nothing(rule.head), rule.parameters, rule.body, [head], self._numbers):
             yield self._entered(made), head
 
     def _environments(self, number: int, bindings: Bindings) -> Iterator[dict[str, int]]:

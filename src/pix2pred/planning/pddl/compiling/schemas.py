@@ -54,7 +54,9 @@ class Numbers:
         return self._members[name.types]
 
 
-NOTHING = SplitSchema(Schema((), (), (), ()), (), ())
+def nothing(name: str) -> SplitSchema:
+    """What the schemas of the action or derived predicate ``name`` begin with."""
+    return SplitSchema(Schema((), (), (), (), name), (), ())
 
 
 def split(
@@ -88,6 +90,7 @@ def split(
             tuple(dict.fromkeys((*base.schema.pre, *lifted(literals)))),
             lifted([a for a in effect if a.positive]),
             [tuple(sorted(others)) for others in apart],
+            base.schema.name,
         )
         yield SplitSchema(schema, names, tuple(parts))
 
