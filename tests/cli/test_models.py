@@ -471,3 +471,17 @@ def test_learning_again_refuses_options_it_cannot_obey(cli: Cli, tmp_path: Path,
     ran = cli("learn", "--resume", run.path, *options)
     assert ran.code == 2 and f"leave out {options[0]}" in ran.err
     assert {p: p.read_bytes() for p in run.path.rglob("*") if p.is_file()} == before
+
+
+def test_a_long_list_ends_quietly_with_its_reader(tmp_path: Path) -> None:
+    """``answers list STORE | head``: no message, no traceback, and lines come before the last answer was read."""
+    store = AnswerStore(tmp_path)
+    for n in range(1500):
+        store.put(Request(Purpose.LABEL, (f"question {n}",), 10), "m", Answer("True. " * 20))
+    program = [sys.executable, "-c", "from pix2pred.cli import main; main()", "answers", "list", str(tmp_path)]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        assert running.stdout is not None and running.stderr is not None
+        assert b"  label          complete   m  True." in running.stdout.readline()
+        running.stdout.close()
+        assert running.stderr.read() == b""
+        assert running.wait(60) == 1

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import App, Parameter
-from rich.markup import escape
-from rich.table import Table
 
 from pix2pred.cli.console import UsageError, counted, err, out, plain, print_json
 from pix2pred.vlm import AnswerStore
+from pix2pred.vlm.answers.inspection import StoredEntry, find, problems, read_all
 from pix2pred.vlm.answers.inspection import export as export_answers
-from pix2pred.vlm.answers.inspection import find, problems, read_all
 
 answers = App(name="answers")
+
+_SHOWN = 60
+"""Characters of an answer that a list shows."""
 
 
 def _store(directory: Path) -> AnswerStore:
@@ -39,32 +40,32 @@ def list_answers(
 
     - `pix2pred answers list runs/stacks --purpose label`
     """
-    store = _store(directory)
-    rows = [
-        {
-            "key": e.key,
-            "purpose": e.purpose,
-            "model": e.model,
-            "finish": e.answer.finish.value,
-            "pictures": len(e.pictures),
-            "tokens": [e.answer.spent.input_tokens, e.answer.spent.output_tokens],
-            "begins": " ".join(e.answer.text.split())[:60],
-        }
-        for e in read_all(store)
+    chosen = (
+        e for e in read_all(_store(directory))
         if model in (None, e.model) and purpose in (None, e.purpose) and finish in (None, e.answer.finish.value)
-    ]
+    )  # fmt: skip
     if json:
-        print_json({"answers": rows})
+        print_json({"answers": [_row(e) for e in chosen]})
         return 0
-    table = Table(box=None)
-    for column in ("key", "purpose", "model", "finish", "answer begins"):
-        table.add_column(column)
-    for row in rows:
-        cells = (str(row["key"])[:12], row["purpose"], row["model"], row["finish"], row["begins"])
-        table.add_row(*(escape(plain(str(cell))) for cell in cells))
-    out.print(table)
-    out.print(f"{len(rows)} answers")
+    count = 0
+    for e in chosen:  # line by line: a hundred thousand are no table to lay out
+        count += 1
+        begins = " ".join(e.answer.text.split())[:_SHOWN]
+        print(plain(f"{e.key[:12]}  {e.purpose:<13}  {e.answer.finish.value:<9}  {e.model}  {begins}"), file=out.file)
+    out.print(counted(count, "answer"))
     return 0
+
+
+def _row(e: StoredEntry) -> dict[str, Any]:
+    return {
+        "key": e.key,
+        "purpose": e.purpose,
+        "model": e.model,
+        "finish": e.answer.finish.value,
+        "pictures": len(e.pictures),
+        "tokens": [e.answer.spent.input_tokens, e.answer.spent.output_tokens],
+        "begins": " ".join(e.answer.text.split())[:_SHOWN],
+    }
 
 
 @answers.command

@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 the job failed (no plan, not solved), 2 bad input, 130 int
 from __future__ import annotations
 
 import ast
+import os
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -109,6 +110,9 @@ def run(argv: Sequence[str] | None = None, registry: Registry | None = None) -> 
         return 1
     except Pix2predError as error:
         return _complain(str(error))
+    except BrokenPipeError:  # what reads the output has seen enough: there is nobody to tell
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except OSError as error:
         return _complain(f"{error.filename or ''}: {error.strerror or error}".lstrip(": "))
     return result if isinstance(result, int) else 0

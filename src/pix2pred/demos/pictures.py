@@ -17,6 +17,7 @@ from pix2pred.demos.files.folders import entries, is_folder, refusal
 from pix2pred.demos.files.problems import Problem
 from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.structs import Box, Image, PictureError, Pixels
+from pix2pred.structs.states import LARGE_PIXELS
 
 ENDINGS = (".png", ".jpg", ".jpeg")
 OTHER_PICTURES = (".bmp", ".gif", ".heic", ".heif", ".tif", ".tiff", ".webp")
@@ -27,6 +28,9 @@ SMALL_PICTURE = 100
 
 SMALL_BOX = 5
 """The same for the box of an object."""
+
+LOOKED_AT = 2048
+"""Pixels of the longer side of what is looked at of a picture; more tells nothing about its use."""
 
 BLANK = 2.0
 """Standard deviation, of 255, below which a picture shows nothing."""
@@ -142,13 +146,14 @@ class PictureCheck:
         now: dict[str, Thumbnail] = {}
         for camera, shown in pictures.items():
             try:
-                pixels = load_picture(shown.path)
+                pixels = load_picture(shown.path, LOOKED_AT)
+                size = Size(*Image(shown.path).size)
             except PictureError as error:
                 message = str(error).removeprefix(f"{shown.path}: ")
                 self.sheet.found.append(Problem(shown.path, None, message))
                 continue
             now[camera] = thumbnail(pixels)
-            self._compare_size(camera, shown, Size(pixels.shape[1], pixels.shape[0]), (*loc, "pictures", camera))
+            self._compare_size(camera, shown, size, (*loc, "pictures", camera))
             if float(pixels.std()) < BLANK:
                 self.warned.append(Problem(shown.path, None, "shows one colour and nothing else"))
         self._compare_with_before(now, loc)
@@ -161,6 +166,9 @@ class PictureCheck:
             self.sheet.found.append(Problem(shown.path, None, message))
         if min(size.width, size.height) < SMALL_PICTURE:
             self._warn(camera, "", loc, f"pictures of {size} pixels are too small to tell things apart")
+        if size.width * size.height > LARGE_PIXELS:
+            message = f"pictures of {size} pixels take long, and no model is shown as many: bring in smaller copies"
+            self._warn(camera, "", loc, f"{message} with 'pix2pred import frames'")
         for name, box in shown.boxes.items():
             if box.left < 0 or box.top < 0 or box.right > size.width or box.bottom > size.height:
                 self.sheet.report((*loc, name), f"the box of {name!r} leaves the picture, which is {size} pixels")
@@ -183,8 +191,10 @@ class PictureCheck:
             self.warned.append(Problem(self.sheet.file, self.sheet.yaml.line(loc), message))
 
 
-def load_picture(path: Path) -> Pixels:
-    """Decode the picture at ``path`` whole, upright. Raises ``PictureError`` when it is not a sane PNG or JPEG.
+def load_picture(path: Path, longest: int | None = None) -> Pixels:
+    """Decode the picture at ``path``, upright, no side longer than ``longest``.
+
+    Raises ``PictureError`` when it is not a sane PNG or JPEG.
 
     Every picture that comes from outside goes through here: the limits of what is read are ``MAX_BYTES`` and
     ``structs.states.MAX_PIXELS``.
@@ -200,7 +210,7 @@ def load_picture(path: Path) -> Pixels:
     if not start.startswith((PNG_START, JPEG_START)):
         raise PictureError(f"{path}: is neither PNG nor JPEG, whatever its name says; {how_to_convert(start)}")
     try:
-        return Image(path).pixels()
+        return Image(path).pixels() if longest is None else Image(path).reduced(longest)
     except PictureError:
         raise
     except Exception as error:  # the decoder fails in many ways on damaged files

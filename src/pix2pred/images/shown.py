@@ -32,9 +32,12 @@ class ShownPictures:
     def __call__(self, view: View) -> bytes:
         """The PNG file of the view."""
         shown = {name: value for name, value in view.canonical().items() if name not in ("heading", "state")}
-        scene = self._packed.get(json.dumps(shown, sort_keys=True), lambda: pack(draw_scene(view, decode=self._decode)))
+        scene = self._packed.get(json.dumps(shown, sort_keys=True), lambda: self._scene(view))
         above = [pack(draw_heading(view.heading, scene.width))] if view.heading else []
         return png_file([*above, scene, *([pack(draw_note(view.note, scene.width))] if view.note else [])])
+
+    def _scene(self, view: View) -> Strip:
+        return view.picture.image.alone(lambda: pack(draw_scene(view, decode=self._decode)))
 
     def _decode(self, image: Image) -> Pixels:
         return self._decoded.get(image.digest, image.pixels)

@@ -43,13 +43,17 @@ class Album:
         kept = self._previews / f"{digest}.webp"
         if not kept.exists():
             files = [blobs / f"{digest}.png" for blobs in self._blobs]
+            image = Image(next((f for f in files if f.exists()), files[0]))
             try:
-                pixels = Image(next((f for f in files if f.exists()), files[0])).pixels()
+                write_whole(kept, image.alone(lambda: _preview(image)))
             except PictureError:
                 return None
-            picture = PIL.Image.fromarray(pixels)
-            picture.thumbnail((LONGEST_SIDE, LONGEST_SIDE), PIL.Image.Resampling.HAMMING)
-            buffer = io.BytesIO()
-            picture.save(buffer, "WEBP", quality=QUALITY, method=2)
-            write_whole(kept, buffer.getvalue())
         return "data:image/webp;base64," + base64.b64encode(kept.read_bytes()).decode()
+
+
+def _preview(image: Image) -> bytes:
+    picture = PIL.Image.fromarray(image.pixels())
+    picture.thumbnail((LONGEST_SIDE, LONGEST_SIDE), PIL.Image.Resampling.HAMMING)
+    buffer = io.BytesIO()
+    picture.save(buffer, "WEBP", quality=QUALITY, method=2)
+    return buffer.getvalue()

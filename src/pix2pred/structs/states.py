@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import io
-from collections.abc import Iterator, Mapping
+import os
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import PIL.ExifTags
@@ -29,6 +33,26 @@ Pixels = NDArray[np.uint8]
 MAX_PIXELS = 64_000_000
 """Larger pictures are refused: no camera in the field makes them, decompression bombs do."""
 
+
+LARGE_PIXELS = 12_000_000
+"""Larger pictures are unpacked one at a time: while that lasts, each takes up to twelve bytes a pixel."""
+
+_LARGE = "pix2pred-large-picture"
+"""Beginning of the name of the thread that works on large pictures."""
+
+Made = TypeVar("Made")
+
+
+@cache
+def _worker() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1, _LARGE)
+
+
+if hasattr(os, "register_at_fork"):  # threads do not live on in a fork
+    os.register_at_fork(after_in_child=_worker.cache_clear)
+
+_SPARE = 1.5
+"""How much larger a JPEG is at least unpacked than it is wanted, so that scaling it down loses nothing to be seen."""
 
 _DECODERS = {b"\x89PNG\r\n\x1a\n": PngImageFile, b"\xff\xd8\xff": JpegImageFile}
 """The formats read, by their first bytes. ``PIL.Image.open`` would warn of large pictures before we know their size."""
@@ -96,14 +120,44 @@ class Image:
 
     def pixels(self) -> Pixels:
         """Decode, upright. Raises ``PictureError`` for what is not a PNG or JPEG picture of a sane size."""
-        pixels = self._unpacked()
-        if pixels is None:
-            with self._opened() as opened:
-                PIL.ImageOps.exif_transpose(opened, in_place=True)
-                pixels = _rgb(opened)
+        pixels = self.alone(self._decoded)
         if self.__dict__.setdefault("digest", digest := _digest(pixels)) != digest:
             raise PictureError(f"{self._source!s:.200}: changed while it was being used; run the command again")
         return pixels
+
+    def _decoded(self) -> Pixels:
+        pixels = self._unpacked()
+        if pixels is None:
+            with self._opened() as opened:
+                pixels = _upright(opened)
+        return pixels
+
+    def reduced(self, longest: int) -> Pixels:
+        """Upright, scaled down until no side is longer than ``longest``. Of a larger JPEG, less is ever unpacked.
+
+        Raises ``PictureError``.
+        """
+        width, height = self.size
+        factor = longest / max(width, height)
+        if factor >= 1:
+            return self.pixels()
+        return self.alone(lambda: self._scaled(factor, (max(1, round(width * factor)), max(1, round(height * factor)))))
+
+    def _scaled(self, factor: float, size: tuple[int, int]) -> Pixels:
+        with self._opened() as opened:
+            least = round(_SPARE * factor * opened.width), round(_SPARE * factor * opened.height)
+            opened.draft("RGB", (max(1, least[0]), max(1, least[1])))
+            whole = PIL.Image.fromarray(_upright(opened))
+            return np.asarray(whole.resize(size, PIL.Image.Resampling.LANCZOS), dtype=np.uint8)
+
+    def alone(self, work: Callable[[], Made]) -> Made:
+        """What ``work`` gives. Work on a picture of more than ``LARGE_PIXELS`` is done one at a time, in one thread.
+
+        Memory that a thread gave back serves no other: eight threads, each with its turn, would hold eight pictures.
+        """
+        if self.size[0] * self.size[1] <= LARGE_PIXELS or threading.current_thread().name.startswith(_LARGE):
+            return work()
+        return _worker().submit(work).result()
 
     @cached_property
     def size(self) -> tuple[int, int]:
@@ -139,10 +193,11 @@ class Image:
         except Exception as error:  # the decoders fail in many ways on damaged files
             raise PictureError(f"{name}: cannot be read as a picture ({error})") from error
 
-    @cached_property
+    @property
     def digest(self) -> str:
         """SHA-256 of shape and decoded pixels: the same whatever compressed the file."""
-        self.pixels()
+        if "digest" not in self.__dict__:  # no cached property: one lock for all pictures, in Python 3.11
+            self.pixels()
         return str(self.__dict__["digest"])
 
     def __eq__(self, other: object) -> bool:
@@ -150,6 +205,11 @@ class Image:
 
     def __hash__(self) -> int:
         return int(self.digest[:15], 16)
+
+
+def _upright(picture: PIL.Image.Image) -> Pixels:
+    PIL.ImageOps.exif_transpose(picture, in_place=True)
+    return _rgb(picture)
 
 
 def _rgb(picture: PIL.Image.Image) -> Pixels:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,9 @@ MAIN = "main"
 
 MAX_SIDE = 2048
 """Longer pictures are scaled down: no model is shown more."""
+
+_MOST_WORKERS = 4
+"""Threads that copy photos: each holds one, which is up to 0.2 GB while it is unpacked."""
 
 _JPEG = {"quality": 95, "subsampling": 0, "optimize": False}
 _TIME = "%Y:%m:%d %H:%M:%S"
@@ -196,7 +200,8 @@ def clean_copies(series: PhotoSeries, max_side: int, found: list[Problem]) -> It
 
     What cannot be read goes to ``found``, and its state lacks that camera.
     """
-    work = Parallel(n_jobs=-1, prefer="threads", return_as="generator")  # a few photos ahead of the one asked for
+    workers = min(_MOST_WORKERS, os.cpu_count() or 1)
+    work = Parallel(n_jobs=workers, prefer="threads", return_as="generator")  # a few photos ahead of the one asked for
     places = [(t, camera, paths[t]) for t in range(len(series)) for camera, paths in series.cameras.items()]
     copies = work(delayed(_clean_copy_or_error)(path, max_side) for _, _, path in places)
     for _, state in groupby(zip(places, copies, strict=True), key=lambda item: item[0][0]):
@@ -218,9 +223,7 @@ def _clean_copy_or_error(path: Path, max_side: int) -> Image | PictureError:
 
 def clean_copy(path: Path, max_side: int | None = MAX_SIDE) -> Image:
     """The pixels of a photo and nothing else: no place, time, owner, thumbnail. Raises ``PictureError``."""
-    pixels = load_picture(path)
-    if max_side is not None:
-        pixels = scaled(pixels, max_side)
+    pixels = load_picture(path, max_side)
     with path.open("rb") as file:
         is_png = file.read(len(PNG_START)) == PNG_START
     return Image.from_pixels(pixels) if is_png else as_jpeg(pixels)

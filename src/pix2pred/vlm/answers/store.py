@@ -99,7 +99,7 @@ class AnswerStore:
             return
         encoded = image.encoded
         if not _is_bare_png(encoded):
-            encoded = Image.from_pixels(image.pixels()).encoded
+            encoded = image.alone(lambda: Image.from_pixels(image.pixels()).encoded)
         write_whole(path, encoded)
 
     def path(self, key: str) -> Path:
