@@ -34,7 +34,7 @@ class ShownPictures:
         shown = {name: value for name, value in view.canonical().items() if name not in ("heading", "state")}
         scene = self._packed.get(json.dumps(shown, sort_keys=True), lambda: pack(draw_scene(view, decode=self._decode)))
         above = [pack(draw_heading(view.heading, scene.width))] if view.heading else []
-        return png_file([*above, scene, *([pack(draw_note(view.note, scene.width))] if view.note else [])])
+        return png_file([*above, scene, *(pack(draw_note(row, scene.width)) for row in view.note_rows)])
 
     def _decode(self, image: Image) -> Pixels:
         return self._decoded.get(image.digest, image.pixels)
