@@ -1,8 +1,9 @@
 """Answers to the same question with other names of types: renaming a type in a project does not make them worthless.
 
 Names of types stand in a question in five places: behind each object, in executed actions, in lists of more general
-types, before what a type means, and in signatures of skills and predicates. Two questions are the same but for these names when they agree
-once every type is called by its first object; lines may be in another order, since lists are sorted by such names.
+types, before what a type means, and in signatures of skills and predicates. Two questions are the same but for these
+names when they agree once every type is called by its first object; lines may be in another order, since lists are
+sorted by such names.
 """
 
 from __future__ import annotations
