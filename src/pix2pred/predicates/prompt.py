@@ -44,8 +44,8 @@ def kind_lines(objects: Iterable[Object]) -> str:
     in_order = sorted(kinds, key=lambda t: t.name)
     lines = [f"- {kind.name}: {', '.join(sorted(kinds[kind]))}" for kind in in_order if kinds[kind]]
     meanings = [f"- {kind.name} = {kind.description}" for kind in in_order if kind.description]
-    general_types = ["", "More general types, and what belongs to each:", *lines, ""] if lines else []
-    return "\n".join([*general_types, *(["", "What types mean:", *meanings, ""] if meanings else [])])
+    titles = {"More general types, and what belongs to each:": lines, "What types mean:": meanings}
+    return "".join("\n".join(["", title, *under, ""]) for title, under in titles.items() if under)
 
 
 def action_text(action: Action) -> str:
