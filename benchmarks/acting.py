@@ -9,7 +9,8 @@ and --rate say. The last line is one object with ``solved``, ``tasks``, ``questi
 (values asked for), ``skills`` (executed in solved tasks), ``again`` (atoms asked about again), ``suspected`` (episodes
 that end with a suspect) and ``named`` (those whose suspect is the systematic error). --how: ``belief`` is what
 ``solve --closed-loop`` does, ``replan`` believes every label (FF-Replan), ``votes`` takes the majority of three samples
-for every atom, ``open`` looks once and asks again, ``open-raw`` looks once.
+for every atom, ``open`` looks once and asks again, ``open-raw`` looks once. --truth: in the place of the reader the
+simulator labels demonstrations and looks, with the same errors; for domains whose reader is not good enough.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from perfect_labels import Truthful, learned_from_truth
 from pix2pred.execution import Solver
 from pix2pred.execution.belief.perception import AtTheirWord, Believing
 from pix2pred.learning.samplers.file import dump_samplers, load_samplers
@@ -106,10 +108,10 @@ def names_the_error(episode: Episode, errors: Errors | None) -> bool:
 def episodes(arguments: argparse.Namespace) -> tuple[list[Episode], Counter[str]]:
     """The tasks tried, and counts: of questions and atoms, and of episodes whose suspect is the systematic error."""
     domain = load_domain(arguments.domain)
-    model, samplers = learned(
-        domain, arguments.family, arguments.seed, arguments.train_rate, arguments.operators, arguments.out
-    )
-    reader = Counting(load_vlm("offline", domain.name))
+    which = (domain, arguments.family, arguments.seed, arguments.train_rate, arguments.operators, arguments.out)
+    model, samplers = (learned_from_truth(*which), {}) if arguments.truth else learned(*which)
+    reader = load_vlm("offline", domain.name)
+    count = Counter[str]()
     settings = LabelSettings(votes=3 if arguments.how == "votes" else 1)
     perceiving = {"belief": Believing(arguments.ask_again), "open": Believing(arguments.ask_again)}
     found, named = [], 0
@@ -117,14 +119,17 @@ def episodes(arguments: argparse.Namespace) -> tuple[list[Episode], Counter[str]
         errors: Errors | None = None
         if arguments.rate or arguments.kind == "systematic":
             errors = errors_of(arguments.kind, arguments.rate, arguments.seed, model, task)
-        vlm: VLM = ErringVLM(reader, errors) if errors else reader
+        environment = domain.environment(task.task, task.simulator, arguments.disturb)
+        answering = Truthful.about(domain, environment, task, model) if arguments.truth else reader
+        vlm: VLM = Counting(answering, count)
+        vlm = ErringVLM(vlm, errors) if errors else vlm
         solver = Solver(
             model, load_planner("portfolio"), Labeller(vlm, settings), arguments.how not in ("open", "open-raw"),
             samplers=samplers, perceiving=perceiving.get(arguments.how, AtTheirWord),
         )  # fmt: skip
-        found.append(solver.solve(task.task, domain.environment(task.task, task.simulator, arguments.disturb)))
+        found.append(solver.solve(task.task, environment))
         named += names_the_error(found[-1], errors)
-    return found, reader.count + Counter(named=named)
+    return found, count + Counter(named=named)
 
 
 def summary(found: list[Episode], count: Counter[str]) -> dict[str, Any]:
@@ -154,6 +159,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--ask-again", type=int, default=4)
     made.add_argument("--train-rate", type=float, default=0.02)
     made.add_argument("--operators", choices=("robust", "cluster-and-intersect"), default="robust")
+    made.add_argument("--truth", action="store_true", help="labels come from the simulator, errors aside")
     made.add_argument("--out", type=Path, default=Path("runs/acting"))
     made.add_argument("--json", action="store_true", help="print nothing but the last line")
     return made

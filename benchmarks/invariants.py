@@ -23,17 +23,13 @@ from typing import Any
 import numpy as np
 
 from acting import learned
-from pix2pred.approaches.approach import Training
-from pix2pred.approaches.ours import OURS
+from perfect_labels import learned_from_truth
 from pix2pred.domains.burger.classifiers import true_atoms as burger_atoms
 from pix2pred.domains.coffee.classifiers import AboveCup
 from pix2pred.domains.coffee.classifiers import true_atoms as coffee_atoms
 from pix2pred.domains.coffee.vocabulary import GIVEN
 from pix2pred.domains.kitchen.classifiers import true_atoms as kitchen_atoms
-from pix2pred.execution.explaining.replayed_demos import truths_of_demos
-from pix2pred.pipeline import LearningProblem, world_model
-from pix2pred.registry import REGISTRY, load_domain, load_planner, load_vlm
-from pix2pred.settings import of_project, resolve
+from pix2pred.registry import REGISTRY, load_domain
 from pix2pred.structs import (
     AbstractState,
     Action,
@@ -46,8 +42,7 @@ from pix2pred.structs import (
     WorldModel,
     groundings,
 )
-from pix2pred.structs.environment import Domain, Environment, Replayable, StepStatus, asking_settings
-from pix2pred.structs.formats.world_model import dump_model, load_model
+from pix2pred.structs.environment import Domain, Environment, StepStatus
 from pix2pred.structs.knowledge import Invariant, MutexGroup
 
 STEPS = 20
@@ -55,29 +50,6 @@ STEPS = 20
 
 TRIES = 20
 """Random skills tried for one that works."""
-
-
-def perfect(domain: Domain, family: str, seed: int, operators: str, out: Path) -> WorldModel:
-    """The model of a seed when every label with a known truth is right; learned once."""
-    path = out / f"{domain.name}-{family}-{seed}-perfect-{operators}.json"
-    if not path.exists():
-        learning = {**domain.settings(family), "operators": operators}
-        settings = resolve(of_project({"learning": learning, **asking_settings(domain, family)}))
-        vocabulary, demos = domain.vocabulary(family), tuple(domain.demonstrations(family, seed))
-        problem = LearningProblem(vocabulary, demos, load_vlm("offline", domain.name), settings)
-        agent = OURS.train(Training(problem, load_planner("portfolio")))
-        assert isinstance(domain, Replayable), "the states of its demonstrations can be visited again"
-        truth = truths_of_demos(
-            demos,
-            domain.demonstration_starts(family, seed),
-            lambda start: domain.environment(start.task, start.simulator),
-            lambda environment: REGISTRY.truth(domain, environment),
-            [c.predicate for c in agent.learned.labelling.table.pool] + list(vocabulary.initial),
-        )
-        right = agent.relearned(truth).learned
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(dump_model(world_model(vocabulary, right.labelling.table, right.selection, "the simulator")))
-    return load_model(path)
 
 
 def reachable(
@@ -199,7 +171,7 @@ def main() -> None:
     given = parser.parse_args()
     domain = load_domain(given.domain)
     if given.labels == "perfect":
-        model = perfect(domain, given.family, given.seed, given.operators, given.out)
+        model = learned_from_truth(domain, given.family, given.seed, 0.0, given.operators, given.out)
     else:
         model, _ = learned(domain, given.family, given.seed, given.train_rate, given.operators, given.out)
     counts, met = dict.fromkeys(model.invariants, 0), set[AbstractState]()

@@ -76,7 +76,7 @@ def test_live_asks_all_the_same(cli: Cli, tmp_path: Path) -> None:
     assert len(model.asked) == 2 * asked
 
 
-ITEM = Type("item")
+ITEM = Type("item", description="What can be carried.")
 ROBOT, CUP, PLATE = Type("robot"), Type("cup", parent=ITEM), Type("plate", parent=ITEM)
 TAKE = Skill("Take", (ROBOT, ITEM))
 
@@ -93,7 +93,7 @@ def question(*kinds: Type, take: Skill = TAKE, sample: int = 0) -> Request:
 
 
 GREY = np.full((4, 4, 3), 9, "uint8")
-THING = Type("thing")
+THING = Type("thing", description=ITEM.description)
 RENAMED = [
     question(ROBOT, Type("mug", parent=ITEM), PLATE),
     question(ROBOT, Type("zz", parent=ITEM), Type("aa", parent=ITEM)),

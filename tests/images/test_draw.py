@@ -160,6 +160,15 @@ def test_labels_of_the_tallest_stack_do_not_overlap(
     assert all(s.left >= 0 and s.top >= 0 and s.right <= 512 and s.bottom <= 512 + FOOT_HEIGHT for s in spots)
 
 
+def test_the_name_of_a_table_stands_on_its_top_or_points_at_it() -> None:
+    table, size = Box(100, 50, 400, 300), {"desk": (34.0, 18.0), "bin": (30.0, 18.0)}
+    (alone,) = place_names({"desk": table}, size, (512, 512))
+    assert alone.line is None and table.top <= alone.spot.top and alone.spot.bottom < table.center[1]
+    full = {"desk": table, "bin": Box(90, 30, 410, 120)}  # nothing may be written on its upper part
+    desk = next(m for m in place_names(full, size, (512, 512)) if m.name == "desk")
+    assert desk.line and table.left < desk.line[1][0] < table.right and 120 < desk.line[1][1] < table.bottom
+
+
 def test_crops_cover_the_skill_in_both_states_with_a_margin() -> None:
     after = replace(PLAIN.picture, boxes=BOXES | {"cup": Box(100, 40, 140, 80)})
     before, later = State((PLAIN.picture,)), State((after,))
@@ -222,6 +231,9 @@ def test_what_is_not_in_a_picture_is_named_below_it() -> None:
     assert drawn.shape[1::-1] == noted.shown_size and len(drawn) == len(draw_view(MARKED)) + NOTE_HEIGHT
     assert np.array_equal(drawn[:-NOTE_HEIGHT], draw_view(MARKED)) and drawn[-NOTE_HEIGHT:].min() < 80
     assert noted.canonical() == MARKED.canonical(), "what is unseen follows from the question"
+    many = replace(MARKED, unseen=tuple(f"small_blue_cup_{i}" for i in range(9)))
+    assert " ".join(many.note_rows) == many.note and len(many.note_rows) > 3, "no name is cut off"
+    assert draw_view(many).shape[1::-1] == many.shown_size
     shown = ShownPictures()
     assert shown(MARKED) != shown(noted)
     assert np.array_equal(Image(shown(noted)).pixels(), drawn)

@@ -12,6 +12,7 @@ from pix2pred.predicates.labelling.asking import Occurrence
 from pix2pred.predicates.prompt import kind_lines
 from pix2pred.structs import Action, Demo, FromVLM, Label, Object, Predicate, Skill, Type
 from pix2pred.vlm import Purpose, Request
+from pix2pred.vlm.offline.prompt_format import defined_words
 from predicates.scripted import COOKED, HOLDING, OBJECTS, P1, PATTY, PICK, R, ScriptedVLM, demo, state
 
 T, F, U = Label.TRUE, Label.FALSE, Label.UNKNOWN
@@ -70,6 +71,7 @@ def test_a_later_question_tells_the_words_so_far_and_only_new_kinds_are_asked_ab
         "<defined>\n- cooked(patty) | CHANGES | The patty is brown, also while it is held. | also: grilled, browned | "
         "opposite: raw\n- meaty(patty) | STAYS | It is made of meat.\n</defined>"
     ) in second.text
+    assert defined_words(second.text) == {("cooked", ("patty",)), ("meaty", ("patty",))}, "readers see them, too"
     assert [view.heading for view in second.views] == ["state 0, camera main", "state 1 after skill 0, camera main"]
     assert "- Wipe(patty): Wipes it." in second.text
     assert {c.predicate.name for c in lift_words(proposals)} == {"cooked0", "meaty0", "wiped0"}
@@ -103,9 +105,11 @@ def test_what_is_known_from_elsewhere_gets_no_second_word() -> None:
 def test_questions_say_what_types_mean() -> None:
     item = Type("item", description="What can be carried.")
     cup = Type("cup", parent=item)
-    assert kind_lines([Object("c", cup)]).splitlines()[1:] == [
-        "What types mean, and what belongs to the more general ones:",
-        "- item: cup. What can be carried.",
+    assert [line for line in kind_lines([Object("c", cup)]).splitlines() if line] == [
+        "More general types, and what belongs to each:",
+        "- item: cup",
+        "What types mean:",
+        "- item = What can be carried.",
     ]
     assert kind_lines([Object("c", Type("cup", parent=Type("item")))]).splitlines()[1:] == [
         "More general types, and what belongs to each:",

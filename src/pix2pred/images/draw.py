@@ -31,7 +31,7 @@ def draw_view(view: View) -> Pixels:
     """The picture as a model sees it, shape (height, width, 3): between its heading and its note, if it has them."""
     scene = draw_scene(view)
     strips = [draw_heading(view.heading, scene.shape[1])] if view.heading else []
-    return np.concatenate([*strips, scene, *([draw_note(view.note, scene.shape[1])] if view.note else [])])
+    return np.concatenate([*strips, scene, *(draw_note(row, scene.shape[1]) for row in view.note_rows)])
 
 
 def draw_scene(view: View, decode: Decode = Image.pixels) -> Pixels:
@@ -51,7 +51,7 @@ def draw_heading(heading: str, width: int) -> Pixels:
 
 
 def draw_note(note: str, width: int) -> Pixels:
-    """A white strip with the note, shape (NOTE_HEIGHT, width, 3)."""
+    """A white strip with a row of the note, shape (NOTE_HEIGHT, width, 3)."""
     return _strip(note, width, NOTE_HEIGHT, FONT_SIZE)
 
 

@@ -92,11 +92,14 @@ class _Placing:
         return best
 
     def _line(self, spot: Box, end: Point) -> tuple[Point, Point] | None:
-        """No line is needed right below or above the object, or on it when it is large."""
+        """No line is needed right below or above the object, or on it when it is large.
+
+        Below a table the name would stand on the floor and name that: a large object needs a line from there.
+        """
+        large = self.box.height > _LARGE * spot.height
         gap = min(abs(spot.top - self.box.bottom), abs(spot.bottom - self.box.top))
         under = abs(spot.center[0] - self.box.center[0]) < self.box.width / 2 and gap < _RIGHT_BESIDE
-        on_it = _distance(spot, self.box) == 0 and self.box.height > _LARGE * spot.height
-        if under or on_it:
+        if (_distance(spot, self.box) == 0) if large else under:
             return None
         return (min(max(end[0], spot.left), spot.right), min(max(end[1], spot.top), spot.bottom)), end
 
@@ -131,8 +134,12 @@ def _inside(left: float, top: float, width: float, height: float, size: tuple[in
 
 
 def _beside(box: Box, width: float, height: float, size: tuple[int, int]) -> Iterator[Box]:
-    """Places for a name, best first: under the object, beside its lower edge, above it; all inside the picture."""
+    """Places for a name, best first: under the object, beside its lower edge, above it; all inside the picture.
+
+    On a large object it stands at the upper edge: the lower part of a table's box shows its legs and the floor.
+    """
     x, _ = box.center
+    on_it = box.top + 2 if box.height > _LARGE * height else box.bottom - height
     for left, top in (
         (x - width / 2, box.bottom + 1),
         (box.left - width - 2, box.bottom - height),
@@ -140,7 +147,7 @@ def _beside(box: Box, width: float, height: float, size: tuple[int, int]) -> Ite
         (x - width / 2, box.top - height - 1),
         (box.left - width - 2, box.top),
         (box.right + 2, box.top),
-        (x - width / 2, box.bottom - height),
+        (x - width / 2, on_it),
         (x - width / 2, box.bottom + height + 2),
         (x - width / 2, box.top - 2 * height - 2),
     ):

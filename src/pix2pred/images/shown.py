@@ -34,7 +34,7 @@ class ShownPictures:
         shown = {name: value for name, value in view.canonical().items() if name not in ("heading", "state")}
         scene = self._packed.get(json.dumps(shown, sort_keys=True), lambda: self._scene(view))
         above = [pack(draw_heading(view.heading, scene.width))] if view.heading else []
-        return png_file([*above, scene, *([pack(draw_note(view.note, scene.width))] if view.note else [])])
+        return png_file([*above, scene, *(pack(draw_note(row, scene.width)) for row in view.note_rows)])
 
     def _scene(self, view: View) -> Strip:
         return view.picture.image.alone(lambda: pack(draw_scene(view, decode=self._decode)))

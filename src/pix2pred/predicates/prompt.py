@@ -36,20 +36,16 @@ def kind_lines(objects: Iterable[Object]) -> str:
     """
     kinds: dict[Type, set[str]] = {}
     for one in {o.type for o in objects}:
-        if one.description:
-            kinds.setdefault(one, set())
+        kinds.setdefault(one, set())
         general = one.parent
         while general is not None:
             kinds.setdefault(general, set()).add(one.name)
             general = general.parent
-    lines = [
-        f"- {kind.name}: {'. '.join(filter(None, (', '.join(sorted(kinds[kind])), kind.description)))}"
-        for kind in sorted(kinds, key=lambda t: t.name)
-    ]
-    title = "More general types, and what belongs to each:"
-    if any(kind.description for kind in kinds):
-        title = "What types mean, and what belongs to the more general ones:"
-    return "\n".join(["", title, *lines, ""]) if lines else ""
+    in_order = sorted(kinds, key=lambda t: t.name)
+    lines = [f"- {kind.name}: {', '.join(sorted(kinds[kind]))}" for kind in in_order if kinds[kind]]
+    meanings = [f"- {kind.name} = {kind.description}" for kind in in_order if kind.description]
+    titles = {"More general types, and what belongs to each:": lines, "What types mean:": meanings}
+    return "".join("\n".join(["", title, *under, ""]) for title, under in titles.items() if under)
 
 
 def action_text(action: Action) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from textwrap import wrap
 from typing import Any
 
 from pix2pred.structs.states import Box, Picture
@@ -20,7 +21,10 @@ FOOT_HEIGHT = 20
 """Pixels of the strip below a picture, for the names of objects at its lower edge."""
 
 NOTE_HEIGHT = 22
-"""Pixels of the white strip below a picture that names the objects it does not show."""
+"""Pixels of a row of the white strip below a picture that names the objects it does not show."""
+
+NOTE_LETTER, NOTE_MARGIN = 6, 8
+"""Pixels that a letter of that strip is given, and those left free on either side; wide letters make small type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,20 +52,30 @@ class View:
         )
 
     @property
+    def note_rows(self) -> tuple[str, ...]:
+        """The note in rows that fit below the picture; a name that is longer than a row stands in one alone."""
+        letters = max(1, (self._scene_size[0] - 2 * NOTE_MARGIN) // NOTE_LETTER)
+        return tuple(wrap(self.note, letters, break_long_words=False, break_on_hyphens=False))
+
+    @property
     def boxes(self) -> Mapping[str, Box]:
         """The boxes of objects, in the picture's pixels, by name in sorted order."""
         return dict(sorted(self.picture.boxes.items()))
 
     @property
-    def shown_size(self) -> tuple[int, int]:
-        """(width, height) in pixels of what is shown, strips for heading and names included."""
+    def _scene_size(self) -> tuple[int, int]:
         width, height = map(float, self.picture.image.size)
         if self.crop:
             width, height = self.crop.width, self.crop.height
         factor = scale_to(width, height, self.longest_side)
+        return max(1, round(width * factor)), max(1, round(height * factor))
+
+    @property
+    def shown_size(self) -> tuple[int, int]:
+        """(width, height) in pixels of what is shown, strips for heading and names included."""
+        width, height = self._scene_size
         strips = (HEADING_HEIGHT if self.heading else 0) + (FOOT_HEIGHT if self.marks and self.boxes else 0)
-        strips += NOTE_HEIGHT if self.note else 0
-        return max(1, round(width * factor)), max(1, round(height * factor)) + strips
+        return width, height + strips + NOTE_HEIGHT * len(self.note_rows)
 
     def canonical(self) -> dict[str, Any]:
         """Everything that decides what is shown, JSON-compatible; equal for equal views on any machine."""

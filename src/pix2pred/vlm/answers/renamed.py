@@ -1,8 +1,9 @@
 """Answers to the same question with other names of types: renaming a type in a project does not make them worthless.
 
-Names of types stand in a question in four places: behind each object, in executed actions, in lists of more general
-types, and in signatures of skills and predicates. Two questions are the same but for these names when they agree
-once every type is called by its first object; lines may be in another order, since lists are sorted by such names.
+Names of types stand in a question in five places: behind each object, in executed actions, in lists of more general
+types, before what a type means, and in signatures of skills and predicates. Two questions are the same but for these
+names when they agree once every type is called by its first object; lines may be in another order, since lists are
+sorted by such names.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pix2pred.vlm.request import Request, key_of
 
 _OBJECT = re.compile(r"^- (.+) \(([^()\s]+)\)$", re.MULTILINE)
 _GENERAL = re.compile(r"^- (\w+): (\w+(?:, \w+)*)$", re.MULTILINE)
+_MEANT = re.compile(r"(?<=^- )(\w+)(?= = )", re.MULTILINE)
 _IN_ACTION = re.compile(r"(?<=:)(\w+)(?=[,\]])")
 _SIGNATURE = re.compile(r"(?<=\w\()([^()]+)(?=\))")
 _PIXELS = re.compile(rb'"pixels": "([0-9a-f]{64})"')
@@ -90,5 +92,6 @@ def _neutral(text: str) -> str:
     called |= more
     text = _OBJECT.sub(lambda m: f"- {m[1]} {called[m[2]]}", text)
     text = _GENERAL.sub(lambda m: f"- {called.get(m[1], m[1])}: {', '.join(members(m))}", text)
+    text = _MEANT.sub(lambda m: called.get(m[1], m[1]), text)
     text = _IN_ACTION.sub(lambda m: called.get(m[1], m[1]), text)
     return _SIGNATURE.sub(arguments, text)

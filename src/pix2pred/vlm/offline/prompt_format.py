@@ -17,7 +17,7 @@ _HISTORY_LINE = re.compile(
 )
 _CHANGE = re.compile(r"; (\d+) (True|False|Unknown)")
 _DEFINED = re.compile(r"<defined>\n(.*?)\n</defined>", re.DOTALL)
-_DEFINED_LINE = re.compile(r"^- ([A-Za-z_]\w*)(\([^:]*\)):", re.MULTILINE)
+_DEFINED_LINE = re.compile(r"^- ([A-Za-z_]\w*)(\([^|\n]*\)) \|", re.MULTILINE)
 _SKILL_LINE = re.compile(r"^(?:Executed skill:|\d+\.) (\w+)\[([^\[\]]*)\]$", re.MULTILINE)
 _NAMES = {True: "True", False: "False", None: "Unknown"}
 
