@@ -1,8 +1,8 @@
 """Writing and reading PNG files fast: one filter for all rows, where Pillow tries five a row, and runs alone packed.
 
 Most pictures are decoded once or twice; a twentieth of the size matters less than most of the time. Runs are packed
-into the same bytes by zlib and by zlib-ng, which takes half the time; tests compare them. (ISA-L would be faster still, but
-in one process of fifty it packs the same pixels into other bytes.)
+into the same bytes by zlib and by zlib-ng, which takes half the time; tests compare them. (ISA-L would be faster still,
+but in one process of fifty it packs the same pixels into other bytes.)
 Strips of a picture are packed apart and joined later, so that a picture shown under several headings is packed once.
 """
 
