@@ -24,6 +24,8 @@ from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
 
 TEST_SEED = 7003
+LEAST_MEAN = {"cleanup": 0.9, "juice": 0.97}
+"""Balanced accuracy that a reader's words have on the mean."""
 DOMAINS = {"cleanup": CleanupDomain(), "juice": JuiceDomain()}
 ASIDE = {"cleanup": "wide_bin", "juice": "bowl"}
 """An object that is seen in the pair of states but neither moves nor changes."""
@@ -83,7 +85,7 @@ def test_words_are_read_on_pictures_used_for_nothing_else(name: str) -> None:
     worlds, scenes = train_reader.read_worlds(name, TEST_SEED, 6, 3, 1)
     measured = train_reader.measure(name, model(name), worlds, scenes)
     accuracy = [word["balanced_accuracy"] for word in measured.values()]
-    assert np.mean(accuracy) > 0.9
+    assert np.mean(accuracy) > LEAST_MEAN[name]
     assert all(word["hidden_unknown_share"] == 1.0 for word in measured.values())
 
 
