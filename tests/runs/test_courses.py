@@ -1,37 +1,52 @@
-"""Labels of episodes are weighed by what was said before and after, and by what skills did in demonstrations."""
+"""Labels of episodes are weighed by what was said before and after, and by what operators say that skills do."""
 
 from __future__ import annotations
 
-import numpy as np
+from collections import Counter
+
 import pytest
 
 from pix2pred.runs.distilling.courses import Asked, LabelledLook, Node, Step, weighed_labels
-from pix2pred.runs.distilling.demonstrations import Taught
-from pix2pred.structs import Action, Atom, FromVLM, LabelledDemo, Object, Predicate, Skill, Type, Vocabulary
+from pix2pred.structs import (
+    FromVLM,
+    LiftedAtom,
+    Operator,
+    Predicate,
+    Skill,
+    Type,
+    Variable,
+    Vocabulary,
+    WorldModel,
+)
+from pix2pred.structs.knowledge import Reliability
 
-LAMP = Type("lamp")
-ON, OFF = Skill("SwitchOn", (LAMP,)), Skill("SwitchOff", (LAMP,))
+LAMP, BOX = Type("lamp"), Type("box")
+ON, OFF, PACK = Skill("SwitchOn", (LAMP,)), Skill("SwitchOff", (LAMP,)), Skill("Pack", (LAMP,))
 LIT = Predicate("lit0", (LAMP,), FromVLM("lit"))
-TYPES = {"lamp1": "lamp", "lamp2": "lamp"}
+FULL = Predicate("full0", (BOX,), FromVLM("full"))
+TYPES = {"lamp1": "lamp", "lamp2": "lamp", "box": "box"}
+LAMPS = ("lamp1", "lamp2")
+X, Y = Variable("?x", LAMP), Variable("?y", BOX)
 
 
-def demonstration(number: int, rng: np.random.Generator) -> LabelledDemo:
-    """Lamps that are switched on and off, and two columns of labels without errors."""
-    lamps = tuple(Object(name, LAMP) for name in TYPES)
-    held, actions = [[False, False]], []
-    for _ in range(6):
-        i = int(rng.integers(2))
-        actions.append(Action(OFF if held[-1][i] else ON, (lamps[i],)))
-        held.append([not h if j == i else h for j, h in enumerate(held[-1])])
-    atoms = tuple(Atom(LIT, (lamp,)) for lamp in lamps)
-    return LabelledDemo(f"demo {number}", lamps, tuple(actions), (), atoms, np.array(held, dtype=np.int8))
+def operator(name: str, skill: Skill, needs: Lifted, adds: Lifted, deletes: Lifted, *others: Variable) -> Operator:
+    return Operator(name, (X, *others), frozenset(needs), frozenset(adds), frozenset(deletes), skill, (X,), 5)
 
 
-def taught() -> Taught:
-    rng = np.random.default_rng(0)
-    return Taught(Vocabulary("lamps", (LAMP,), (ON, OFF), ()), frozenset({LIT}), tuple(
-        demonstration(i, rng) for i in range(6)
-    ))  # fmt: skip
+Lifted = set[LiftedAtom]
+LIT_X, FULL_Y = LiftedAtom(LIT, (X,)), LiftedAtom(FULL, (Y,))
+MODEL = WorldModel(
+    Vocabulary("lamps", (LAMP, BOX), (ON, OFF, PACK), ()),
+    (LIT, FULL),
+    (
+        operator("on", ON, set(), {LIT_X}, set()),
+        operator("off", OFF, {LIT_X}, set(), {LIT_X}),
+        operator("fill", PACK, set(), {FULL_Y}, set(), Y),
+        operator("empty", PACK, {FULL_Y}, set(), {FULL_Y}, Y),
+    ),
+    "large:1",
+    (Reliability(LIT, 0.05, 0.0, 0.5), Reliability(FULL, 0.05, 0.0, 0.5)),
+)
 
 
 def episode(asked: Asked, labels: list[tuple[bool, bool]], steps: list[Step], name: str = "look") -> list[Node]:
@@ -41,7 +56,7 @@ def episode(asked: Asked, labels: list[tuple[bool, bool]], steps: list[Step], na
         asked.follow([before, after], [step])
     for (_, key), values in zip(nodes, labels, strict=True):
         look = asked.looks.setdefault(key, LabelledLook((), TYPES))
-        for lamp, value in zip(TYPES, values, strict=True):
+        for lamp, value in zip(LAMPS, values, strict=True):
             look.votes["lit", (lamp,)][value] += 1
     return nodes
 
@@ -60,11 +75,27 @@ def test_a_label_that_contradicts_what_skills_do_is_turned_round() -> None:
     asked = Asked()
     nodes = episode(asked, said, STEPS)
     asked.looks[nodes[0][1]].votes["lit", ("lamp9",)][True] += 1  # an atom about nothing that is there
-    weighed = weighed_labels(asked, taught())
+    weighed = weighed_labels(asked, MODEL)
     for (_, key), values in zip(nodes, TRUTH, strict=True):
-        likely = tuple(weighed[key]["lit", (lamp,)] for lamp in TYPES)
+        likely = tuple(weighed[key]["lit", (lamp,)] for lamp in LAMPS)
         assert tuple(value for value, _ in likely) == values
         assert all(weight > 0.5 for _, weight in likely)
+
+
+def test_a_skill_may_change_what_it_is_not_applied_to_where_one_of_its_operators_does() -> None:
+    asked, truth = Asked(), [False, True, True, False, False, False]
+    steps: list[Step] = [
+        ("Pack", ("lamp1",)), ("SwitchOn", ("lamp2",)), ("Pack", ("lamp1",)), ("SwitchOff", ("lamp2",)),
+        ("SwitchOn", ("lamp1",)),
+    ]  # fmt: skip
+    nodes = episode(asked, [(False, False)] * 2 + [(False, True)] * 2 + [(False, False), (True, False)], steps)
+    for (_, key), full in zip(nodes, truth, strict=True):
+        asked.looks[key].votes["full", ("box",)][full] += 1
+    weighed = weighed_labels(asked, MODEL)
+    assert [weighed[key]["full", ("box",)][0] for _, key in nodes] == truth
+    last = nodes[-1][1]
+    asked.looks[last].votes["full", ("box",)] = Counter({True: 1})  # switching a lamp on fills no box
+    assert not weighed_labels(asked, MODEL)[last]["full", ("box",)][0]
 
 
 @pytest.mark.parametrize("step", [("Break", ("lamp1",)), ("SwitchOn", ("lamp7",))])
@@ -72,7 +103,7 @@ def test_of_skills_and_objects_that_nobody_knows_votes_count_as_they_are(step: S
     asked = Asked()
     [first, *_] = episode(asked, TRUTH, [step] * len(STEPS))
     asked.looks[first[1]].votes["lit", ("lamp1",)][True] += 2
-    weighed = weighed_labels(asked, taught())
+    weighed = weighed_labels(asked, MODEL)
     assert weighed[first[1]]["lit", ("lamp1",)] == (True, 1 / 3)
     assert weighed[first[1]]["lit", ("lamp2",)] == (False, 1.0)
 

@@ -62,7 +62,7 @@ class IndexedTable:
         self.initial = len(table.initial)
         self.objects: tuple[Object, ...] = tuple(sorted({o for demo in table.demos for o in demo.objects}))
         self.skills: tuple[Skill, ...] = tuple(sorted({a.skill for demo in table.demos for a in demo.actions}))
-        self.object_ids = {o: i for i, o in enumerate(self.objects)}
+        self._object_ids = {o: i for i, o in enumerate(self.objects)}
         self._predicate_ids = {p: i for i, p in enumerate(self.predicates)}
         self._extensions = [self._read_states(demo, unknown_as_false(demo.values)) for demo in table.demos]
         self._unknown = [self._read_states(demo, demo.values == Label.UNKNOWN) for demo in table.demos]
@@ -146,7 +146,7 @@ class IndexedTable:
             held = self.extension(d, 0, predicate)
             objects = [self.objects[o] for o in demo.objects]
             count += bool(held) and any(
-                tuple(self.object_ids[o] for o in args) not in held
+                tuple(self._object_ids[o] for o in args) not in held
                 for args in groundings(types, objects, distinct=True)
             )
         return count
@@ -160,7 +160,7 @@ class IndexedTable:
         """Per state and predicate, the argument tuples that are ``marked``."""
         known = [(atom.predicate in self._predicate_ids) for atom in demo.atoms]
         places = [
-            (self._predicate_ids[atom.predicate], tuple([self.object_ids[o] for o in atom.objects]))
+            (self._predicate_ids[atom.predicate], tuple([self._object_ids[o] for o in atom.objects]))
             if is_known
             else None
             for atom, is_known in zip(demo.atoms, known, strict=True)
@@ -189,16 +189,16 @@ class IndexedTable:
         return found
 
     def _read_demo(self, demo: LabelledDemo) -> IndexedDemo:
-        objects = tuple(sorted(self.object_ids[o] for o in demo.objects))
+        objects = tuple(sorted(self._object_ids[o] for o in demo.objects))
         goal = tuple(
-            (self._predicate_ids[a.predicate], tuple(self.object_ids[o] for o in a.objects)) for a in demo.goal
+            (self._predicate_ids[a.predicate], tuple(self._object_ids[o] for o in a.objects)) for a in demo.goal
         )
         return IndexedDemo(objects, goal, len(demo.actions) + 1)
 
     def _read_transitions(self, demos: Sequence[LabelledDemo]) -> list[Transition]:
         skill_ids = {s: i for i, s in enumerate(self.skills)}
         return [
-            Transition(d, step, skill_ids[action.skill], tuple(self.object_ids[o] for o in action.objects))
+            Transition(d, step, skill_ids[action.skill], tuple(self._object_ids[o] for o in action.objects))
             for d, demo in enumerate(demos)
             for step, action in enumerate(demo.actions)
         ]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from pix2pred.registry import load_domain
 from pix2pred.structs import Image, Picture
 from pix2pred.vlm.distilled.calibration import calibrate
 from pix2pred.vlm.distilled.fitting.fit import fit
@@ -102,6 +104,18 @@ def test_another_world_under_the_same_names_is_strange() -> None:
         readings += read(other, *truth)
     assert sum(r.value is None for r in readings) >= 0.95 * len(readings)
     assert {r.why for r in readings} >= {Why.STRANGE}
+
+
+def test_objects_of_another_domain_under_the_same_names_are_strange() -> None:
+    task = load_domain("burger").tasks("combo", 5, 1)[0].task
+    picture = task.initial.pictures[0]
+    names = sorted(picture.boxes)
+    readings: list[Reading] = []
+    for one, other in pairwise([*names, names[0]]):
+        boxes = {"lamp1": picture.boxes[one], "tray": picture.boxes[other]}
+        look = Look((replace(picture, boxes=boxes),), TYPES)
+        readings += read(look, ("lit", "lamp1"), ("above", "lamp1", "tray"))
+    assert len(readings) >= 20 and sum(r.value is None for r in readings) >= 0.95 * len(readings)
 
 
 def without(found: Lesson, word: str) -> Lesson:

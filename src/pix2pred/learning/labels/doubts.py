@@ -11,11 +11,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from pix2pred.learning.labels.courses import Courses
+from pix2pred.learning.labels.hidden_markov import HiddenMarkovLabels
+from pix2pred.learning.operators.robust_settings import RobustSettings
+from pix2pred.learning.operators.seen_givens import told_apart
 from pix2pred.learning.operators.transition_class import TransitionClass
 from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.structs import (
     Atom,
+    FromVLM,
     Label,
     LabelledDemo,
     Predicate,
@@ -62,18 +65,30 @@ def doubted(table: TruthTable, predicates: Iterable[Predicate], *, unusual: bool
 
     Only values that were asked of a model are doubted, and predicates that are never true have none to compare.
     """
-    courses = Courses.of(table, predicates)
-    if courses is None:
+    data = IndexedTable(table)
+    exact = [p for p in range(data.initial) if not isinstance(data.predicates[p].source, FromVLM)]
+    wanted = {p for p in predicates if isinstance(p.source, FromVLM)}
+    noisy = [i for i, p in enumerate(data.predicates) if p in wanted]
+    if not noisy:
         return []
-    rare = _unusual(courses.data, courses.classes, list(courses.noisy.values())) if unusual else {}
+    given = [p for p in range(data.initial) if p not in exact]
+    classes = told_apart(data, exact, given, RobustSettings())
+    posterior = HiddenMarkovLabels().fit(data, classes, noisy)
+    rare = _unusual(data, classes, noisy) if unusual else {}
+    number = {o: i for i, o in enumerate(data.objects)}
+    index = {p: i for i, p in enumerate(data.predicates)}
     found = []
     for d, demo in enumerate(table.demos):
         for column, atom in enumerate(demo.atoms):
-            beliefs = courses.beliefs(d, atom)
-            if beliefs is None:
+            p = index.get(atom.predicate)
+            if p is None or p not in posterior.extensions:
                 continue
-            p, args = courses.number(atom)
-            usual = [rare.get((p, d, s, args)) for s in range(len(beliefs))]
+            args = tuple(number[o] for o in atom.objects)
+            states = range(len(demo.actions) + 1)
+            beliefs = [
+                posterior.belief[p].get((d, s, args), float(args in posterior.extensions[p][d][s])) for s in states
+            ]
+            usual = [rare.get((p, d, s, args)) for s in states]
             if doubts := _doubts(demo, column, beliefs, usual):
                 found.append(Timeline(demo.name, atom, doubts))
     return sorted(found, key=lambda t: (-round(t.expected, 6), t.demo, t.atom))

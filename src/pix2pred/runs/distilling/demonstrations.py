@@ -12,7 +12,7 @@ from pix2pred.predicates.labelling.evidence import DemoEvidence, PictureDoc, loa
 from pix2pred.runs.distilling.pictures import Stores
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import EVIDENCE, MODEL, TRACES
-from pix2pred.structs import Atom, FromVLM, Label, LabelledDemo, Picture, Predicate, Vocabulary
+from pix2pred.structs import Atom, FromVLM, Label, LabelledDemo, Picture, Predicate, WorldModel
 from pix2pred.structs.formats.world_model import load_model
 from pix2pred.vlm.distilled.fitting.lesson import Example
 from pix2pred.vlm.offline.label_question import Look
@@ -25,13 +25,11 @@ LEAST_WEIGHT = 0.2
 class Taught:
     """Looks with their labels, the demonstration or episode of each, and counts for the card.
 
-    ``predicates`` are those that are taught, ``courses`` the labels of these along the demonstrations, as they were
-    given; ``lost`` counts looks without a picture.
+    ``predicates`` are those that are taught; ``lost`` counts looks without a picture.
     """
 
-    vocabulary: Vocabulary
+    model: WorldModel
     predicates: frozenset[Predicate]
-    courses: tuple[LabelledDemo, ...]
     looks: list[Look] = field(default_factory=list)
     groups: list[str] = field(default_factory=list)
     examples: list[Example] = field(default_factory=list)
@@ -66,8 +64,7 @@ def taught_by_demonstrations(run: RunFolder, stores: Stores, *, everything: bool
     traces, model = load_traces(run.path / TRACES), load_model(run.path / MODEL)
     predicates = _wanted(traces, frozenset(model.predicates), everything=everything)
     evidence = {demo.name: demo for demo in load_evidence(run.path / EVIDENCE).demos}
-    courses = tuple(replace(demo.restricted(predicates), goal=()) for demo in traces.table.demos)
-    found = Taught(model.vocabulary, predicates, courses)
+    found = Taught(model, predicates)
     doubts = _doubts(traces, predicates)
     corrected = {(*cell[:2], tuple(cell[2])) for cell in load_corrections(run.path / CORRECTIONS).labels}
     for demo in traces.table.demos:

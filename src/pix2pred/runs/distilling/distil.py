@@ -95,9 +95,9 @@ def _made_from(found: Taught, teacher: str) -> MadeFrom:
     for e in found.examples:
         digest.update(json.dumps([e.look, e.word, e.names, e.label, round(e.weight, 6)]).encode())
     return MadeFrom(
-        teacher=teacher, vocabulary=found.vocabulary.name, demonstrations=found.demonstrations, episodes=found.episodes,
-        looks=len(found.looks), labels=len(found.examples), corrected=found.corrected, doubted=found.doubted,
-        data=digest.hexdigest(),
+        teacher=teacher, vocabulary=found.model.vocabulary.name, demonstrations=found.demonstrations,
+        episodes=found.episodes, looks=len(found.looks), labels=len(found.examples), corrected=found.corrected,
+        doubted=found.doubted, data=digest.hexdigest(),
     )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ def add_episodes(found: Taught, answers: AnswerStore, teacher: str, stores: Stor
             _read(entry, found.words, asked)
     before = len(found.looks)
     names: dict[LookKey, str] = {}
-    weighed = weighed_labels(asked, found)
+    weighed = weighed_labels(asked, found.model)
     for key, state in asked.looks.items():
         if key in found.digests or not state.votes:
             continue
