@@ -7,6 +7,7 @@ A plan counts when it works in the true domain.
     python benchmarks/competition.py --told --set h_pre_frac=1 --set h_data_frac=0      # the needed ones are known
     python benchmarks/competition.py --domains ferry hanoi --operators robust --verbose
     python benchmarks/competition.py --write runs/traces                                # the traces, nothing learned
+    python benchmarks/competition.py --pddl runs/pddl       # larger problems as drawn, for benchmarks/public_pddl.py
 
 ``--seed`` changes the problems, the candidates, what is hidden and the noise.
 """
@@ -20,13 +21,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 from typing import Any
 
 from joblib import Parallel, delayed
 
 from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
 from pix2pred.structs import Operator
-from symbolic.problems import CATALOGUE, TESTS
+from symbolic.problems import CATALOGUE, FOLDER, TESTS
 from symbolic.score import MAX_SECONDS, Score, score_model
 from symbolic.traces import Workload, make_traces
 
@@ -84,6 +86,10 @@ def main() -> None:
     extra = (arguments.unknown, arguments.sticky, arguments.skill_args, arguments.max_seconds)
     cells = [(domain, noise) for domain in arguments.domains for noise in arguments.noise]
     jobs = [Job(d, n, arguments.seed, arguments.told, settings, *extra) for d, n in cells]
+    if arguments.pddl:
+        for domain in arguments.domains:
+            _write_pddl(arguments.pddl / domain, domain, arguments.seed)
+        return
     if arguments.write:
         for job in jobs:
             _write(arguments.write / f"{job.domain}-seed{job.seed}-noise{job.noise}.json.gz", job.workload())
@@ -118,6 +124,16 @@ def _write(path: Path, workload: Workload) -> None:
     print(f"{path}: hidden {', '.join(workload.hidden)}")
 
 
+def _write_pddl(folder: Path, domain: str, seed: int) -> None:
+    """The domain and ``TESTS`` larger problems, drawn without asking whether anybody solves them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "domain.pddl").write_text((FOLDER / f"{domain}.pddl").read_text())
+    generate, _ = CATALOGUE[domain]
+    rng = Random(f"{domain}/{seed}/pddl")
+    for i in range(TESTS):
+        (folder / f"p{i:02}.pddl").write_text(generate(rng, True).text(f"p{i:02}", domain))
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--domains", nargs="+", default=list(CATALOGUE), choices=list(CATALOGUE), metavar="NAME")
@@ -133,6 +149,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--verbose", action="store_true", help="one line per cell as it is done")
     parser.add_argument("--write", type=Path, metavar="DIR", help="write the traces files and stop")
+    parser.add_argument("--pddl", type=Path, metavar="DIR", help="write larger problems as PDDL and stop")
     return parser
 
 

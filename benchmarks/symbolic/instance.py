@@ -51,6 +51,15 @@ class Instance:
         for a, b in sorted(linked):
             self.both(predicate, a, b)
 
+    def text(self, name: str, domain: str) -> str:
+        """The problem called ``name`` in PDDL."""
+        objects = " ".join(f"{name} - {type_name}" for name, type_name in self.objects.items())
+        init, goal = (" ".join(f"({atom})" for atom in dict.fromkeys(atoms)) for atoms in (self.init, self.goal))
+        return (
+            f"(define (problem {name}) (:domain {domain})\n (:objects {objects})\n (:init {init})\n"
+            f" (:goal (and {goal})))\n"
+        )
+
 
 def towers(rng: Random, blocks: Sequence[str]) -> list[list[str]]:
     """Random towers, each listed from the bottom."""

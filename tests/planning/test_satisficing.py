@@ -94,7 +94,8 @@ def test_a_window_is_planned_anew() -> None:
         return SearchResult(PlanStatus.SOLVED, (0, 1, 2, 3), 5)
 
     assert AStar()(chain).plan == Polished(around)(chain).plan == (4,)
-    assert Polished(around, window=2)(chain).plan == (0, 1, 2, 3)
+    assert Polished(around, passes=((2, 200),))(chain).plan == (0, 1, 2, 3)
+    assert Polished(around, passes=((2, 200), (4, 200)))(chain).plan == (4,), "a longer window sees more"
 
 
 def test_an_unsolved_task_is_not_polished() -> None:

@@ -128,6 +128,8 @@ def _task(
         delete=tuple(mask(numbered.delete[s], b) for s, b in instances),
         initial=bits_of(index[f] for f in initial),
         goal=bits_of(index[f] for f in goal if f in index),
+        atoms=tuple(sorted(index, key=index.__getitem__)),
+        kinds=tuple(o.type for o in objects),
     )
     return GroundTask(
         strips,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, field, replace
 
 Relaxed = tuple[int, int, int]
 """(preconditions, what is added besides them, operator): a way to make facts true when nothing is ever deleted."""
@@ -14,7 +14,8 @@ class Strips:
     """A ground planning task. Operator k is ``pre[k]``, ``add[k]``, ``delete[k]``, and costs ``costs[k]``.
 
     Applicable iff ``pre & ~state == 0``; the successor is ``state & ~delete | add``. Without ``costs`` every operator
-    costs one.
+    costs one. ``atoms`` may tell what the facts are about, each a number of a predicate followed by numbers of objects,
+    and ``kinds`` of which kind every object is: so interchangeable objects are found. Equality is that of the bits.
     """
 
     facts: int
@@ -24,6 +25,8 @@ class Strips:
     initial: int
     goal: int
     costs: tuple[int, ...] = ()
+    atoms: tuple[tuple[int, ...], ...] = field(default=(), compare=False)
+    kinds: tuple[Hashable, ...] = field(default=(), compare=False)
 
     def applicable(self, state: int) -> Iterator[int]:
         """Numbers of the operators applicable in ``state``, ascending."""

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from math import prod
 
 from pix2pred.learning.objective.relevant import GroundBits, relevant_task
-from pix2pred.learning.objective.symmetries import DemoTask, LiftedFact
 from pix2pred.learning.operators.transition_class import Lifted, OperatorSchema, to_operator
 from pix2pred.learning.transitions import IndexedTable, ObjectIds
-from pix2pred.planning import ground
+from pix2pred.planning import Strips, ground
 from pix2pred.structs import Atom, Type
 
 MAX_INSTANCES = 20_000
@@ -37,7 +36,7 @@ class SharedGroundings:
 
     def __init__(self, types: Sequence[Type]) -> None:
         self.types = types
-        self.atoms: list[LiftedFact] = []
+        self.atoms: list[tuple[int, ...]] = []
         self._of_type: dict[Type, list[int]] = {}
         self._bit: dict[tuple[int, ObjectIds], int] = {}
         self._effects: dict[int, tuple[object, _Grounding]] = {}
@@ -49,7 +48,7 @@ class SharedGroundings:
         found = self._bit.get(key)
         if found is None:
             found = self._bit[key] = 1 << len(self._bit)
-            self.atoms.append(key)
+            self.atoms.append((predicate, *objects))
         return found
 
     def instances(self, schema: OperatorSchema) -> int:
@@ -118,7 +117,7 @@ class SetTasks:
         self.operators = operators
         self.predicates = predicates
         self.grounded: dict[int, tuple[list[GroundBits], int] | None] = {}
-        self.known: dict[tuple[int, int, int], DemoTask | None] = {}
+        self.known: dict[tuple[int, int, int], Strips | None] = {}
 
 
 class DemoTasks:
@@ -129,7 +128,7 @@ class DemoTasks:
         groundings: dict[tuple[Type, ...], SharedGroundings] = {}
         self._demos = [self._number(d, groundings) for d in range(len(data.demos))]
 
-    def task(self, of_set: SetTasks, d: int) -> DemoTask | None:
+    def task(self, of_set: SetTasks, d: int) -> Strips | None:
         """The relevant part of demonstration ``d`` over the predicates of a set; ``None`` if its goal is unreachable.
 
         Raises ``GroundingBudgetError`` when too many instances are reachable.
@@ -175,7 +174,7 @@ class DemoTasks:
         demo.facts[predicate] = found
         return found
 
-    def _reachable_task(self, of_set: SetTasks, d: int) -> DemoTask | None:
+    def _reachable_task(self, of_set: SetTasks, d: int) -> Strips | None:
         data, demo = self._data, self._data.demos[d]
 
         def atom(predicate: int, objects: ObjectIds) -> Atom:

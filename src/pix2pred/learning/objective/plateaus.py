@@ -10,8 +10,8 @@ from random import Random
 
 import numpy as np
 
-from pix2pred.learning.objective.symmetries import DemoTask, Orbits
 from pix2pred.planning import LMCut, Strips
+from pix2pred.planning.symmetries import Orbits
 
 Counts = dict[int, float]
 """Numbers of nodes per number of plateau ancestors ``e``."""
@@ -83,13 +83,13 @@ class Plateaus:
     def _children(self, state: int) -> list[Child]:
         """The different children of ``state``, looked at once."""
         if state not in self._known:
-            if len(self._known) == self._symmetries_after and isinstance(self._task, DemoTask):
-                self._find_orbits(self._task)
+            if len(self._known) == self._symmetries_after:
+                self._find_orbits()
             self._known[state] = self._look_at(state)
         return self._known[state]
 
-    def _find_orbits(self, task: DemoTask) -> None:
-        orbits = Orbits(task)
+    def _find_orbits(self) -> None:
+        orbits = Orbits(self._task)
         if orbits:
             self._orbits = orbits
             for state in self._known:

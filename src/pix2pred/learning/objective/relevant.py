@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pix2pred.learning.objective.symmetries import DemoTask, LiftedFact
-from pix2pred.planning.strips import bits
+from pix2pred.planning.strips import Strips, bits
 from pix2pred.structs import Type
 
 GroundBits = tuple[int, int, int]
@@ -16,14 +15,14 @@ def relevant_task(
     operators: Sequence[GroundBits],
     initial: int,
     goal: int,
-    atoms: Sequence[LiftedFact] = (),
-    types: Sequence[Type] = (),
-) -> DemoTask | None:
+    atoms: Sequence[tuple[int, ...]] = (),
+    kinds: Sequence[Type] = (),
+) -> Strips | None:
     """The reachable part of a task without the facts that cannot matter; ``None`` if the goal is unreachable.
 
     Drops operators with preconditions that even a delete-free execution never reaches, facts that hold throughout,
     and facts in no precondition or goal; renumbers what is left. No plan is gained or lost. ``atoms`` tells what facts
-    are about, by their bits, and ``types`` of which types their objects are.
+    are about, by their bits, and ``kinds`` of which types their objects are.
     """
     reached = initial
     waiting: Sequence[GroundBits] = operators
@@ -50,7 +49,7 @@ def relevant_task(
     relevant = wanted & ~(initial & ~deleted)
     compact = _Compactor(relevant)
     projected = sorted((compact(pre), compact(add), compact(delete)) for pre, add, delete in used)
-    return DemoTask(
+    return Strips(
         compact.size,
         tuple(o[0] for o in projected),
         tuple(o[1] for o in projected),
@@ -58,7 +57,7 @@ def relevant_task(
         compact(initial),
         compact(goal),
         atoms=tuple([atoms[i] for i in bits(relevant)]) if atoms else (),
-        types=tuple(types),
+        kinds=tuple(kinds),
     )
 
 

@@ -16,17 +16,19 @@ from pix2pred.planning.search.search import Search, SearchResult
 from pix2pred.planning.strips import Strips
 from pix2pred.structs import PlanStatus
 
+Shortened = tuple[tuple[int, ...], int]
+"""A plan, and the nodes created for it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Polished:
-    """Plans with ``search``, then shortens: ``window`` steps are planned anew, the next ones half a window later.
+    """Plans with ``search``, then shortens: a window of steps is planned anew, the next one half a window later.
 
-    Every window gets ``window_nodes`` nodes, all of them together ``nodes``.
+    ``passes`` over the plan are (steps of a window, nodes for each window); all together take ``nodes`` nodes.
     """
 
     search: Search
-    window: int = 8
-    window_nodes: int = 200
+    passes: tuple[tuple[int, int], ...] = ((8, 200), (16, 800))
     nodes: int = 4_000
 
     def __call__(self, task: Strips) -> SearchResult:
@@ -37,24 +39,26 @@ class Polished:
         plan = without_needless_steps(task, found.plan)
         spent = 0
         if type(task) is Strips:  # what a rest of a plan needs is not known where effects have conditions
-            plan, spent = self._windows(task, plan)
+            for window, each in self.passes:
+                plan, created = self._windows(task, plan, window, each, self.nodes - spent)
+                spent += created
         return SearchResult(found.status, plan, found.nodes + spent)
 
-    def _windows(self, task: Strips, plan: tuple[int, ...]) -> tuple[tuple[int, ...], int]:
+    def _windows(self, task: Strips, plan: tuple[int, ...], window: int, each: int, nodes: int) -> Shortened:
         """The plan after one pass over its windows, and the nodes that were created."""
         spent = 0
         start = 0
-        while start < len(plan) - 1 and spent < self.nodes:
-            end = min(len(plan), start + self.window)
+        while start < len(plan) - 1 and spent < nodes:
+            end = min(len(plan), start + window)
             before = task.initial
             for k in plan[:start]:
                 before = task.successor(before, k)
             part = replace(task, initial=before, goal=needed(task, plan[end:]))
-            found = AStar(max_nodes=min(self.window_nodes, self.nodes - spent))(part)
+            found = AStar(max_nodes=min(each, nodes - spent))(part)
             spent += found.nodes
             if found.status == PlanStatus.SOLVED and cost_of(task, found.plan) < cost_of(task, plan[start:end]):
                 plan = (*plan[:start], *found.plan, *plan[end:])
-            start += max(1, self.window // 2)
+            start += max(1, window // 2)
         return plan, spent
 
 

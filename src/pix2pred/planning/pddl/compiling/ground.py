@@ -108,6 +108,7 @@ class _PddlGrounder:
             frozenset(initial),
             goal[0] if goal else frozenset(),
             use_costs=self._problem.minimise_costs,
+            kinds=self._numbers.kinds,
         )
         return GroundPddl(strips, tuple(step for step, _ in operations), bool(goal))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 
 from pix2pred.planning.conditional import ConditionalStrips, Stratum, When
@@ -57,8 +57,9 @@ def task_of(
     goal: Conjunction,
     *,
     use_costs: bool,
+    kinds: tuple[Hashable, ...] = (),
 ) -> Strips:
-    """The task on bits. Facts that no condition mentions get none.
+    """The task on bits. Facts that no condition mentions get none. ``kinds`` of objects as in ``Strips``.
 
     Raises ``GroundingBudgetError`` when the bits would fill the memory.
     """
@@ -71,11 +72,12 @@ def task_of(
     costs = tuple(o.cost for o in operations) if use_costs else ()
     pre, add, delete = tuple(m[0] for m in made), tuple(m[1] for m in made), tuple(m[2] for m in made)
     if not strata and not any(m[3] for m in made):
-        return Strips(bits.count, pre, add, delete, start, bits.mask(goal), costs)
+        return Strips(bits.count, pre, add, delete, start, bits.mask(goal), costs, bits.atoms(), kinds)
     conditional = tuple(m[3] for m in made)
     task = ConditionalStrips(
-        bits.count, pre, add, delete, start, bits.mask(goal), costs, conditional, strata, bits.mirrored
-    )
+        bits.count, pre, add, delete, start, bits.mask(goal), costs,
+        conditional=conditional, strata=strata, mirrored=bits.mirrored,
+    )  # fmt: skip
     return task.with_initial(task.closed(start))
 
 
@@ -101,6 +103,11 @@ class _Bits:
         self.place |= {f: i for i, f in enumerate(others, start=2 * self.mirrored)}
         self.count = 2 * self.mirrored + len(others)
         self._negative = negative
+
+    def atoms(self) -> tuple[tuple[int, ...], ...]:
+        """What every bit is about; the predicates of mirrors are numbered downwards from -1."""
+        mirrors = [(-1 - predicate, *objects) for predicate, *objects in self.negative]
+        return (*self.negative, *mirrors, *list(self.place)[self.mirrored :])
 
     def mask(self, literals: Conjunction) -> int:
         """The bits that are set exactly when ``literals`` hold."""

@@ -29,7 +29,7 @@ class Numbers:
     def __init__(self, kinds: Mapping[str, tuple[str, ...]], types: Sequence[Type]) -> None:
         self.objects = tuple(kinds)
         self.object = {name: i for i, name in enumerate(kinds)}
-        self._kinds = kinds
+        self.kinds = tuple(kinds.values())
         self._types = {t.name: t for t in types}
         self._members: dict[tuple[str, ...], frozenset[int]] = {}
         self._predicates: dict[str, int] = {}
@@ -48,7 +48,7 @@ class Numbers:
             wanted = [self._types[t] for t in name.types]
             self._members[name.types] = frozenset(
                 i
-                for i, kinds in enumerate(self._kinds.values())
+                for i, kinds in enumerate(self.kinds)
                 if any(self._types[kind].is_a(t) for kind in kinds for t in wanted)
             )
         return self._members[name.types]

@@ -1,6 +1,6 @@
 """States that are alike up to the names of objects (orbit search; Pochter, Zohar and Rosenschein, AAAI 2011).
 
-Two objects of one type are interchangeable when exchanging them maps the task's operators and its goal onto themselves.
+Two objects of one kind are interchangeable when exchanging them maps the task's operators and its goal onto themselves.
 States that such exchanges make equal have as many plans of every length, so that one of them can stand for all.
 """
 
@@ -8,39 +8,26 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 
-from pix2pred.learning.transitions import ObjectIds
-from pix2pred.planning import Strips
-from pix2pred.structs import Type
-
-LiftedFact = tuple[int, ObjectIds]
-"""A predicate's number and the numbers of the objects."""
+from pix2pred.planning.strips import Strips
 
 Swap = tuple[tuple[int, int], ...]
 """Pairs of bits that change places."""
 
 
-@dataclass(frozen=True, slots=True)
-class DemoTask(Strips):
-    """A task that knows what its facts are about: ``atoms`` of its facts, ``types`` of the objects in them.
+def interchangeable(task: Strips) -> Iterator[list[Swap]]:
+    """Exchanges of any two objects, for each set of interchangeable objects of one kind; none without ``task.atoms``.
 
-    Equality is that of the bits alone. Without atoms no objects are known to be interchangeable.
+    Tasks with conditional effects or derived facts are not looked at.
     """
-
-    atoms: tuple[LiftedFact, ...] = field(default=(), compare=False)
-    types: tuple[Type, ...] = field(default=(), compare=False)
-
-    def interchangeable(self) -> Iterator[list[Swap]]:
-        """Exchanges of any two objects, for each set of interchangeable objects of one type."""
-        mentioned = sorted({o for _, objects in self.atoms for o in objects})
-        test = _Exchange(self)
-        while mentioned:
-            first, *others = mentioned
-            alike = [first] + [o for o in others if self.types[o] == self.types[first] and test.is_symmetry(first, o)]
-            mentioned = [o for o in others if o not in alike]
-            if swaps := [test.swap(a, b) or () for i, b in enumerate(alike) for a in alike[:i]]:
-                yield swaps
+    mentioned = sorted({o for _, *objects in task.atoms for o in objects}) if type(task) is Strips else []
+    test = _Exchange(task)
+    while mentioned:
+        first, *others = mentioned
+        alike = [first] + [o for o in others if task.kinds[o] == task.kinds[first] and test.is_symmetry(first, o)]
+        mentioned = [o for o in others if o not in alike]
+        if swaps := [test.swap(a, b) or () for i, b in enumerate(alike) for a in alike[:i]]:
+            yield swaps
 
 
 class Orbits:
@@ -50,9 +37,9 @@ class Orbits:
     equal states keep apart. Facts about one set of objects change by themselves, so that they are looked up as a whole.
     """
 
-    def __init__(self, task: DemoTask) -> None:
+    def __init__(self, task: Strips) -> None:
         self._sets: list[tuple[int, list[Swap], dict[int, int]]] = []
-        for swaps in task.interchangeable():
+        for swaps in interchangeable(task):
             moved = 0
             for swap in swaps:
                 for a, b in swap:
@@ -87,21 +74,22 @@ def _smallest(part: int, swaps: Sequence[Swap]) -> int:
 class _Exchange:
     """Exchanges of two objects in a task."""
 
-    def __init__(self, task: DemoTask) -> None:
+    def __init__(self, task: Strips) -> None:
         self._task = task
-        self._numbers = {fact: i for i, fact in enumerate(task.atoms)}
+        self._numbers = {atom: i for i, atom in enumerate(task.atoms)}
         self._about: dict[int, list[int]] = {}
-        for i, (_, objects) in enumerate(task.atoms):
+        for i, (_, *objects) in enumerate(task.atoms):
             for o in objects:
                 self._about.setdefault(o, []).append(i)
-        self._operators = list(zip(task.pre, task.add, task.delete, strict=True))
+        costs = map(task.cost, range(len(task.pre)))
+        self._operators = list(zip(task.pre, task.add, task.delete, costs, strict=True))
 
     def swap(self, a: int, b: int) -> Swap | None:
         """The pairs of facts that change places with ``a`` and ``b``; ``None`` when one of them is no fact here."""
         pairs = set()
         for i in {*self._about[a], *self._about[b]}:
-            predicate, objects = self._task.atoms[i]
-            other = self._numbers.get((predicate, tuple([b if o == a else a if o == b else o for o in objects])))
+            predicate, *objects = self._task.atoms[i]
+            other = self._numbers.get((predicate, *(b if o == a else a if o == b else o for o in objects)))
             if other is None:
                 return None
             if other != i:
@@ -120,9 +108,9 @@ class _Exchange:
         return all(touched[_mapped(operator, pairs)] == count for operator, count in touched.items())
 
 
-def _mapped(operator: tuple[int, int, int], pairs: Swap) -> tuple[int, int, int]:
-    pre, add, delete = operator
-    return _swapped(pre, pairs), _swapped(add, pairs), _swapped(delete, pairs)
+def _mapped(operator: tuple[int, int, int, int], pairs: Swap) -> tuple[int, int, int, int]:
+    pre, add, delete, cost = operator
+    return _swapped(pre, pairs), _swapped(add, pairs), _swapped(delete, pairs), cost
 
 
 def _swapped(mask: int, pairs: Swap) -> int:
