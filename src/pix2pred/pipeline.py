@@ -152,7 +152,7 @@ def label(problem: LearningProblem, pool: Pool) -> Labelling:
         problem.demos,
         problem.vocabulary.initial,
         pool.candidates,
-        labeller_for(problem.vlm, settings.labels, Together(settings.flow.concurrent)),
+        labeller_for(problem.vlm, settings.labels, Together(settings.flow.concurrent), settings.flow.max_pictures),
         progress=problem.progress,
         max_atoms=settings.flow.max_atoms,
     )

@@ -97,9 +97,11 @@ def small_suite(**changes: Any) -> Suite:
 
 def run_small(folder: Path, *, workers: Workers = ONE, names: Registry | None = None, **changes: Any) -> Run:
     answers, mode = changes.pop("answers", None), changes.pop("mode", StoreMode.RESUME)
-    vlm = changes.pop("vlm", "offline")
+    vlm, warn = changes.pop("vlm", "offline"), changes.pop("warn", print)
     suite = small_suite(**changes)
-    return run_suite(folder, suite, names or SmallNames(), vlm=vlm, workers=workers, answers=answers, mode=mode)
+    return run_suite(
+        folder, suite, names or SmallNames(), vlm=vlm, workers=workers, answers=answers, mode=mode, warn=warn
+    )
 
 
 if __name__ == "__main__":

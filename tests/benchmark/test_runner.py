@@ -14,11 +14,15 @@ from pathlib import Path
 
 import pytest
 
-from benchmark.small import HashVLM, SmallNames, run_small
+from benchmark.small import HashVLM, SmallBurger, SmallNames, run_small
 from extras import need
 from pix2pred.benchmark import TryOutcome, read_rows, status_of
 from pix2pred.benchmark.runner import expected
+from pix2pred.benchmark.sweeps import NotAvailableError, installed
+from pix2pred.registry import REGISTRY
 from pix2pred.runs.folder import RunFolderError
+from pix2pred.structs.environment import Domain
+from pix2pred.system.extras import MissingExtraError
 from pix2pred.system.parallel import Backend, Workers
 from pix2pred.vlm import VLM, StoreMode
 
@@ -49,6 +53,40 @@ def test_there_is_a_row_for_every_try_and_for_every_cell_that_is_not_tried(finis
     assert by_cell["vila-pure", "stacks", 0] == TryOutcome.NEEDS_MODEL
     assert by_cell["vila-pure", "kitchen", 1] == by_cell["ours", "kitchen", 0] == TryOutcome.NOT_AVAILABLE
     assert len(by_cell) == 2 + 4 * 2
+
+
+class Unequipped(SmallBurger):
+    def check_installed(self) -> None:
+        raise ImportError("mujoco is missing; pip install 'pix2pred[sim]'")
+
+
+class WithoutExtras(SmallNames):
+    def domain(self, name: str) -> Domain:
+        return Unequipped() if name == "burger" else super().domain(name)
+
+
+def test_missing_extras_are_named_before_work_and_left_out(tmp_path: Path) -> None:
+    """All families that lack something are named at once; once it is there the same run adds them."""
+    said: list[str] = []
+    run = run_small(tmp_path, names=WithoutExtras(), warn=said.append, seeds=[0], approaches=["ours"])
+    assert {r.outcome for r in run.rows} == {TryOutcome.NOT_AVAILABLE}
+    assert [sentence.partition(": ")[0] for sentence in said] == ["left out here"] * 2
+    assert "stacks: domain 'burger' is not installed (mujoco is missing; pip install" in said[0]
+    assert "the same command adds what was left out" in said[0] and "kitchen: domain" in said[1]
+    again = run_small(tmp_path, seeds=[0], approaches=["ours"])
+    assert any(r.outcome.scored for r in again.rows)
+
+
+@pytest.mark.parametrize("name", ["kitchen", "coffee", "cleanup", "juice"])
+def test_domains_that_need_an_extra_say_so(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pix2pred.domains.physics import library
+
+    def absent() -> None:
+        raise MissingExtraError("mujoco is not installed")
+
+    monkeypatch.setattr(library, "mujoco_library", absent)
+    with pytest.raises(NotAvailableError, match=f"domain '{name}' is not installed .mujoco is not installed"):
+        installed(name, REGISTRY.domain)
 
 
 def test_every_failure_has_a_cause(finished: Path) -> None:

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import pytest
 
-from pix2pred.predicates import LabelProtocol, LabelSettings, ProposalSettings, ground_atoms, label_demos, labeller_for
+from pix2pred.predicates import (
+    LabelProtocol,
+    LabelSettings,
+    ProposalSettings,
+    ground_atoms,
+    label_demos,
+    labeller_for,
+    proposed_pool,
+)
 from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, read_definition
 from pix2pred.predicates.frugal.histories import HistoryFormat
 from pix2pred.predicates.frugal.proposing import lift_words, new_kinds, propose_words, read_words
 from pix2pred.predicates.labelling.asking import Occurrence
 from pix2pred.predicates.prompt import kind_lines
 from pix2pred.structs import Action, Demo, FromVLM, Label, Object, Predicate, Skill, Type
-from pix2pred.vlm import Purpose, Request
+from pix2pred.vlm import Purpose, Request, Together
 from pix2pred.vlm.offline.prompt_format import defined_words
 from predicates.scripted import COOKED, HOLDING, OBJECTS, P1, PATTY, PICK, R, ScriptedVLM, demo, state
 
@@ -165,6 +173,34 @@ def test_long_demonstrations_are_asked_about_in_stretches_that_share_a_state() -
     labels = labeller_for(vlm, settings).demo(d, [COOKED(P1)])
     assert [s.values[COOKED(P1)] for s in labels] == [F, T, T, F, F]
     assert "Values in state 2, as answered earlier:\n<previous>\ncooked(patty1): True\n</previous>" in vlm.asked[1].text
+
+
+def seen_in_pictures(request: Request) -> str:
+    """Words for proposals; patty1 is cooked from state 3 on and patty2 never."""
+    if request.purpose == Purpose.DEFINE:
+        return WORDS
+    first, *later = sorted({v.state for v in request.views})
+    told = f"{first >= 3}" + ("; 3 True" if first < 3 and 3 in later else "")
+    asked = request.text.rpartition("Predicates:\n")[2].split()
+    return "\n".join(f"* {atom}: {told if 'patty1' in atom else False}" for atom in asked)
+
+
+@pytest.mark.parametrize("crops", [True, False])
+@pytest.mark.parametrize("most", [3, 4, 5, 8])
+def test_no_question_shows_more_than_the_most_pictures(most: int, crops: bool) -> None:
+    """Words are asked for in parts, each told the words before; states are labelled in shorter stretches."""
+    d, atoms = demo(actions=7), ground_atoms([COOKED], OBJECTS)
+    settings = FRUGAL.model_copy(update={"crops": crops})
+    vlm = ScriptedVLM(seen_in_pictures)
+    pool, _ = proposed_pool([d], [], vlm, ProposalSettings(), settings, Together(1), max_pictures=most)
+    assert [c.predicate.name for c in pool] == ["cooked0", "meaty0"]
+    labels = labeller_for(vlm, settings, max_pictures=most).demo(d, atoms)
+    assert max(len(r.views) for r in vlm.asked) <= most
+    for purpose in (Purpose.DEFINE, Purpose.HISTORY):
+        asked = [r for r in vlm.asked if r.purpose == purpose]
+        assert {v.state for r in asked for v in r.views} == set(range(8)) and len(asked) >= 8 // most
+    whole = labeller_for(ScriptedVLM(seen_in_pictures), settings).demo(d, atoms)
+    assert [s.values for s in labels] == [s.values for s in whole]
 
 
 def test_what_no_answer_gives_keeps_its_value_and_is_named() -> None:

@@ -383,6 +383,23 @@ def test_a_waiting_time_is_told(caplog: pytest.LogCaptureFixture) -> None:
     assert "the server asks to wait 45 s" in caplog.text
 
 
+@pytest.mark.parametrize(("pictures", "counted", "told"), [
+    (0, 2048, True), (1, 2048, True), (3, 4095, True), (2, 5000, False), (1, 9000, False), (1, 0, False),
+])  # fmt: skip
+def test_a_server_that_cuts_questions_silently_is_told_of_once(
+    caplog: pytest.LogCaptureFixture, pictures: int, counted: int, told: bool
+) -> None:
+    """By its own count of tokens; a server that counts nothing says nothing."""
+    usage = {"prompt_tokens": counted, "completion_tokens": 3, "total_tokens": counted + 3}
+    long = replace(QUESTION, parts=("word " * 5000, *(view(20, n) for n in range(pictures))), about="d1, state 3")
+    with running(Scripted(lambda body: said("lit(a): True", usage=usage))) as server:
+        vlm = asked_of(server)
+        for n in range(3):
+            assert vlm.answer(replace(long, sample=n)).text == "lit(a): True"
+    assert len([r for r in caplog.records if "cuts questions silently" in r.getMessage()]) == told
+    assert f"d1, state 3 has 25000 characters and {pictures} pictures" in caplog.text or not told
+
+
 def test_mutated_servers_never_hang_or_crash(tmp_path: Path) -> None:
     rng = random.Random(3)
     good = json.dumps(said("lit(a): True")[1])

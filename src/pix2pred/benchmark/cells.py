@@ -17,7 +17,7 @@ from pix2pred.approaches.approach import Agent, Approach, ModelAgent, Training
 from pix2pred.benchmark.causes import cause_of, training_errors
 from pix2pred.benchmark.rows import Cause, Row, TryOutcome
 from pix2pred.benchmark.suite import FamilyEntry, Suite
-from pix2pred.benchmark.sweeps import NotAvailableError, Setting, tasks_for, vary
+from pix2pred.benchmark.sweeps import NotAvailableError, Setting, installed, tasks_for, vary
 from pix2pred.execution import TruthOf
 from pix2pred.execution.explaining.diagnosis import check_labels
 from pix2pred.execution.explaining.replayed_demos import TruthInDemo, truths_of_demos
@@ -26,7 +26,6 @@ from pix2pred.predicates import EmptyProposalError, UnusableAnswersError
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.structs import Demo, Episode, Failure, Predicate
 from pix2pred.structs.environment import Domain, Environment, Replayable, SimulatedTask
-from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.vlm import VLM, AnswerStore, CountingVLM, StoredVLM, StoreMode
 
 READER = "offline:"
@@ -81,10 +80,7 @@ class Job:
     @cached_property
     def domain(self) -> Domain:
         """Raises ``NotAvailableError``."""
-        try:
-            return self.catalogue.domain(self.family.domain)
-        except (UnknownNameError, ImportError) as error:
-            raise NotAvailableError(f"domain {self.family.domain!r} is not installed ({error})") from error
+        return installed(self.family.domain, self.catalogue.domain)
 
     @cached_property
     def family_name(self) -> str:

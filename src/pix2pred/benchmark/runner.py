@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 from pix2pred.benchmark.cells import Catalogue, Done, Job, run_job
 from pix2pred.benchmark.rows import Row, dump_csv, dump_rows
 from pix2pred.benchmark.suite import Suite
+from pix2pred.benchmark.sweeps import NotAvailableError
 from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.system.parallel import Workers
 from pix2pred.system.progress import Progress, Stage, silent
@@ -43,8 +45,11 @@ def run_suite(
     answers: Path | None = None,
     mode: StoreMode = StoreMode.RESUME,
     progress: Progress = silent,
+    warn: Callable[[str], None] = lambda sentence: None,
 ) -> Run:
     """Run what is missing of ``suite`` in ``folder``, and write ``rows.jsonl`` and ``rows.csv``.
+
+    What cannot be run here is said before anything else is; ``warn`` gets one sentence for each reason.
 
     The rows depend on suite, model and answers alone: not on workers, on their number, or on interruptions.
     """
@@ -53,6 +58,8 @@ def run_suite(
     with RunFolder(folder).locked() as run:
         run.claim(_config(suite, vlm))
         jobs = _jobs(folder, suite, catalogue, vlm, store.directory, mode)
+        for reason, families in _not_available(jobs).items():
+            warn(f"left out here: {', '.join(families)}: {reason}; the same command adds what was left out")
         done: list[Done] = []
         progress(Stage.BENCH, 0, len(jobs), "")
         for one in workers.map(run_job, jobs):
@@ -98,6 +105,17 @@ def _jobs(folder: Path, suite: Suite, catalogue: Catalogue, vlm: str, answers: P
         for value in suite.values
         for seed in suite.seeds
     ]
+
+
+def _not_available(jobs: list[Job]) -> dict[str, list[str]]:
+    """Why families cannot be run, and which."""
+    found: dict[str, dict[str, None]] = {}
+    for job in jobs:
+        try:
+            assert job.family_name, "a family has a name"
+        except NotAvailableError as error:
+            found.setdefault(str(error), {})[job.family.name] = None
+    return {reason: list(families) for reason, families in found.items()}
 
 
 def _learned(jobs: list[Job]) -> dict[str, dict[str, Any]]:

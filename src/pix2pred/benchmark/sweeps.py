@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from pix2pred.approaches.approach import Approach, Composition
 from pix2pred.benchmark.suite import Axis, Varied
 from pix2pred.structs import Demo
-from pix2pred.structs.environment import Domain, SimulatedTask, Sized
+from pix2pred.structs.environment import Domain, NeedsMore, SimulatedTask, Sized
+from pix2pred.structs.formats.names import UnknownNameError
 from pix2pred.system.errors import Pix2predError
 from pix2pred.vlm import VLM
 from pix2pred.vlm.noise.flips import FlippingVLM
@@ -16,6 +17,17 @@ from pix2pred.vlm.noise.flips import FlippingVLM
 
 class NotAvailableError(Pix2predError, LookupError):
     """A cell that cannot be run here; the message says why."""
+
+
+def installed(name: str, find: Callable[[str], Domain]) -> Domain:
+    """The domain called ``name``, with everything it needs to run. Raises ``NotAvailableError``."""
+    try:
+        domain = find(name)
+        if isinstance(domain, NeedsMore):
+            domain.check_installed()
+    except (UnknownNameError, ImportError) as error:
+        raise NotAvailableError(f"domain {name!r} is not installed ({error})") from error
+    return domain
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,6 +61,7 @@ def run(
             answers=answers,
             mode=mode,
             progress=progress,
+            warn=lambda sentence: err.print(f"warning: {sentence}", markup=False, soft_wrap=True),
         )
     if json:
         print_json({"run": str(folder), "rows": len(done.rows), "outcomes": _outcomes(done)})

@@ -14,7 +14,14 @@ from pix2pred.cli.console import UsageError, bars, counted, err, out, print_json
 from pix2pred.cli.ranges import POSITIVE, quoted
 from pix2pred.demos import DOMAIN, inspect_project
 from pix2pred.demos.authoring import MAX_SIDE, Declarations, Draft, Order, domain_text, write_drafts
-from pix2pred.demos.importers import drafts_of_frames, drafts_of_lerobot, drafts_of_videos, read_sidecar, traces_of_bits
+from pix2pred.demos.importers import (
+    drafts_of_frames,
+    drafts_of_lerobot,
+    drafts_of_videos,
+    read_sidecar,
+    traces_of_bits,
+    with_labels,
+)
 from pix2pred.system.files import write_whole
 from pix2pred.system.progress import Stage
 
@@ -43,6 +50,10 @@ def frames(
         Path | None,
         Parameter(name=("--actions", "--sidecar"), help="Actions: .txt, one a line; .csv or .yaml with positions too."),
     ] = None,
+    labels: Annotated[
+        Path | None,
+        Parameter(help="Labels of all states, as the method's authors keep them: {atoms} -> action -> {atoms}."),
+    ] = None,
     into: Into,
     order: Annotated[
         Order, Parameter(help="Order of the photos: time taken, name; auto: time if all say it.")
@@ -56,7 +67,8 @@ def frames(
     - `pix2pred import frames photos/tea-1 --actions tea-1.txt --out tea`
     """
     segments = read_sidecar(actions) if actions else ()
-    return _bring(drafts_of_frames(source, segments, order=order, max_side=into.max_side), into)
+    drafts = drafts_of_frames(source, segments, order=order, max_side=into.max_side)
+    return _bring(with_labels(labels, drafts) if labels else drafts, into)
 
 
 @imports.command

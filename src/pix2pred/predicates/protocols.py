@@ -16,10 +16,13 @@ from pix2pred.system.progress import Progress, silent
 from pix2pred.vlm import VLM, Together
 
 
-def labeller_for(vlm: VLM, settings: LabelSettings, together: Together | None = None) -> StateLabeller:
+def labeller_for(
+    vlm: VLM, settings: LabelSettings, together: Together | None = None, max_pictures: int | None = None
+) -> StateLabeller:
     """What labels states by the protocol that ``settings`` name, asking as much at once as ``together`` allows."""
-    made = FrugalLabeller if settings.protocol is LabelProtocol.FRUGAL else Labeller
-    return made(vlm, settings, together or Together())
+    if settings.protocol is LabelProtocol.FRUGAL:
+        return FrugalLabeller(vlm, settings, together or Together(), max_pictures)
+    return Labeller(vlm, settings, together or Together())
 
 
 def proposed_pool(
@@ -40,7 +43,7 @@ def proposed_pool(
     """
     taken = [p.name for p in initial]
     if labels.protocol is LabelProtocol.FRUGAL and proposal.diverse:
-        words = propose_words(demos, vlm, proposal, initial, progress=progress)
+        words = propose_words(demos, vlm, proposal, initial, max_pictures=max_pictures, progress=progress)
         return lift_words(words, taken), words
     proposals = propose(demos, vlm, proposal, together=together, max_pictures=max_pictures, progress=progress)
     return lift(proposals, taken), proposals

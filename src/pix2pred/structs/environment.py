@@ -131,6 +131,15 @@ class Domain(Protocol):
 
 
 @runtime_checkable
+class NeedsMore(Protocol):
+    """A domain whose simulator is an extra: asked before long work begins."""
+
+    def check_installed(self) -> None:
+        """Raises ``ImportError`` with the command that installs what is missing."""
+        ...
+
+
+@runtime_checkable
 class KnowsTruth(Protocol):
     """A domain that knows what visual predicates mean. Used once a task has failed, to name the cause, never before."""
 

@@ -28,7 +28,7 @@ class Draft:
 
     ``states`` gives the pictures of each of the ``len(actions) + 1`` states by camera, and is gone through once.
     An action of None is to be filled in, like an empty ``goal``; without ``objects``, all that are declared are listed.
-    ``notes`` go into the file as comments.
+    ``notes`` go into the file as comments. ``given`` are the atoms that hold in each state, where somebody listed them.
     """
 
     name: str
@@ -37,6 +37,7 @@ class Draft:
     objects: Sequence[str] | Mapping[str, ObjectDoc] = ()
     goal: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    given: tuple[tuple[str, ...], ...] = ()
 
 
 def _quiet(name: str, done: int, total: int) -> None:
@@ -164,13 +165,15 @@ def draft_text(draft: Draft, declared: Declared) -> str:
             "are listed as 'given'; boxes of objects can be given too: pictures: {main: {cup: [12, 40, 90, 130]}}"
         ),
         "states:",
-        *(f"- given: {_given(declared)}  # images/{t}" for t in range(total)),
+        *(f"- given: {_given(draft, declared, t)}  # images/{t}" for t in range(total)),
     ]
     return schema_line("demo", "../../") + "".join(f"{line}\n" for line in lines)
 
 
-def _given(declared: Declared) -> str:
+def _given(draft: Draft, declared: Declared, t: int) -> str:
     """What stands where atoms of the source human are listed: nothing is listed is not the same as nothing holds."""
+    if draft.given:
+        return inline_yaml([*draft.given[t]])
     asks = any(isinstance(p.source, FromHuman) for p in declared.vocabulary.initial)
     return f"[{UNFILLED}]" if asks else "[]"
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from itertools import groupby
 from pathlib import Path
-from typing import Literal
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 import PIL.Image
@@ -19,6 +19,7 @@ from PIL.ExifTags import IFD, Base
 from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
 
+from pix2pred.demos.authoring.heic import HEIC_ENDINGS, heic_pixels, is_heic, open_heic
 from pix2pred.demos.files.folders import entries, is_folder, refusal
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import demo_name
@@ -105,14 +106,13 @@ def _photos(folder: Path, root: Path, found: list[Problem]) -> list[Path]:
         ending = path.suffix.lower()
         if is_folder(path):
             continue
-        if ending in ENDINGS:
+        if ending in (*ENDINGS, *HEIC_ENDINGS):
             if message := refusal(path, root):
                 found.append(Problem(path, None, message.replace("project folder", "folder of photos")))
             else:
                 photos.append(path)
         elif ending in OTHER_PICTURES:
-            start = b"....ftyp" if ending in (".heic", ".heif") else b""
-            found.append(Problem(path, None, f"only PNG and JPEG are read; {how_to_convert(start)}"))
+            found.append(Problem(path, None, f"only PNG, JPEG and HEIC are read; {how_to_convert(b'')}"))
     return photos
 
 
@@ -172,18 +172,20 @@ class TakenAt:
 def taken_at(path: Path) -> TakenAt | None:
     """When the photo was taken, to the fraction of a second its camera noted; None when it does not say."""
     try:
-        with path.open("rb") as file:
-            decoder = PngImageFile if file.read(8) == PNG_START else JpegImageFile
-            file.seek(0)
-            with decoder(file) as opened:
-                exif = opened.getexif()
-                noted = exif.get_ifd(IFD.Exif)
+        with path.open("rb") as file, _opened(path, file) as opened:
+            exif = opened.getexif()
+            noted = exif.get_ifd(IFD.Exif)
         text = noted.get(Base.DateTimeOriginal) or exif.get(Base.DateTime)
         ahead = noted.get(Base.OffsetTimeOriginal) if noted.get(Base.DateTimeOriginal) else noted.get(Base.OffsetTime)
         local = datetime.strptime(str(text).strip("\0 "), _TIME)
         return TakenAt(local, str(noted.get(Base.SubsecTimeOriginal, "")), _offset(str(ahead or "")))
     except Exception:  # no time, or a damaged file: that is said when its pixels are read
         return None
+
+
+def _opened(path: Path, file: BinaryIO) -> Any:
+    start = _start(path)
+    return open_heic(path) if is_heic(start) else (PngImageFile if start.startswith(PNG_START) else JpegImageFile)(file)
 
 
 def _offset(text: str) -> timedelta | None:
@@ -223,10 +225,21 @@ def _clean_copy_or_error(path: Path, max_side: int) -> Image | PictureError:
 
 def clean_copy(path: Path, max_side: int | None = MAX_SIDE) -> Image:
     """The pixels of a photo and nothing else: no place, time, owner, thumbnail. Raises ``PictureError``."""
+    start = _start(path)
+    if is_heic(start):
+        pixels = heic_pixels(path)
+        return as_jpeg(pixels if max_side is None else scaled(pixels, max_side))
     pixels = load_picture(path, max_side)
-    with path.open("rb") as file:
-        is_png = file.read(len(PNG_START)) == PNG_START
-    return Image.from_pixels(pixels) if is_png else as_jpeg(pixels)
+    return Image.from_pixels(pixels) if start.startswith(PNG_START) else as_jpeg(pixels)
+
+
+def _start(path: Path) -> bytes:
+    """The first bytes of a file; none of one that cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.read(12)
+    except OSError:
+        return b""
 
 
 def scaled(pixels: Pixels, max_side: int) -> Pixels:

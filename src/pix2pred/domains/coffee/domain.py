@@ -15,6 +15,7 @@ from pix2pred.domains.coffee.scenes import SIZED, initial_world
 from pix2pred.domains.coffee.truth import concept_value
 from pix2pred.domains.coffee.vocabulary import GIVEN, SKILLS, TYPES
 from pix2pred.domains.coffee.world import CoffeeWorld
+from pix2pred.domains.physics import check_drawing
 from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
@@ -32,6 +33,10 @@ class CoffeeDomain:
     name: str = "coffee"
     reader: Path | None = Path(__file__).parent / "reader"
     families: Sequence[str] = tuple(FAMILIES)
+
+    def check_installed(self) -> None:
+        """Raises ``MissingExtraError`` when the simulator is not installed or cannot draw."""
+        check_drawing()
 
     def vocabulary(self, family: str) -> Vocabulary:
         """Types, skills and initial predicates, the same for all families."""

@@ -14,6 +14,7 @@ from pix2pred.domains.home.episode import HomeEnvironment, Rules
 from pix2pred.domains.home.roaming import RoamingHome
 from pix2pred.domains.home.roaming.hand import Machine, no_machine
 from pix2pred.domains.home.world import World
+from pix2pred.domains.physics import check_drawing
 from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Action, Atom, Demo, Task, Vocabulary, parse_application
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
@@ -71,6 +72,10 @@ class HomeDomain:
         self._starts = dict(families)
         self._truth = truth
         self._settings = dict(settings)
+
+    def check_installed(self) -> None:
+        """Raises ``MissingExtraError`` when the simulator is not installed or cannot draw."""
+        check_drawing()
 
     def vocabulary(self, family: str) -> Vocabulary:
         """Types, skills and initial predicates, the same for all families."""

@@ -8,10 +8,12 @@ from typing import Any
 
 from pix2pred.domains import scripted
 from pix2pred.domains.kitchen.environment import KitchenEnvironment
+from pix2pred.domains.kitchen.model import scene_file
 from pix2pred.domains.kitchen.scenes import LEFT, RIGHT, boiling, push_kettle, start_world, turn_on
 from pix2pred.domains.kitchen.truth import value_now
 from pix2pred.domains.kitchen.vocabulary import OBJECTS, VOCABULARY
 from pix2pred.domains.kitchen.world import KitchenWorld
+from pix2pred.domains.physics import check_drawing
 from pix2pred.domains.seeds import Split
 from pix2pred.structs import Demo, Task, Vocabulary
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
@@ -25,6 +27,11 @@ class KitchenDomain:
     name: str = "kitchen"
     families: Sequence[str] = ("boil",)
     reader: Path | None = Path(__file__).parent / "reader"
+
+    def check_installed(self) -> None:
+        """Raises ``MissingExtraError`` when the simulator is not installed or cannot draw."""
+        check_drawing()
+        scene_file()
 
     def vocabulary(self, family: str) -> Vocabulary:
         """Types, skills and given predicates."""

@@ -41,8 +41,11 @@ _HANDLE_REACH, _HANDLE_SIZE = 0.2, 0.25
 """Geoms of a door that are near the handle's site and not larger (metres) belong to the handle."""
 
 
-def _scene_file() -> Path:
-    """The model's file; the package is found but not imported, because importing it registers and warns."""
+def scene_file() -> Path:
+    """The model's file; the package is found but not imported, because importing it registers and warns.
+
+    Raises ``MissingExtraError`` when it is not installed.
+    """
     found = importlib.util.find_spec("gymnasium_robotics")
     if found is None or found.origin is None:
         raise MissingExtraError(
@@ -59,7 +62,7 @@ def kitchen_model() -> Any:
     Raises ``MissingExtraError`` when the extra ``sim`` is not installed.
     """
     mujoco = mujoco_library()
-    spec = mujoco.MjSpec.from_file(str(_scene_file()))
+    spec = mujoco.MjSpec.from_file(str(scene_file()))
     for body in spec.bodies:
         if body.name.startswith("panda0_"):
             body.gravcomp = 1

@@ -48,6 +48,12 @@ def backend() -> str:
     return wanted
 
 
+def check_drawing() -> None:
+    """Raises ``MissingExtraError`` when MuJoCo is not installed, or has nothing to draw with."""
+    mujoco_library()
+    backend()
+
+
 @cache
 def _missing() -> tuple[str, Exception | None]:
     """The OpenGL backend asked for, and why it cannot be loaded. MuJoCo is imported on the way, if need be without."""

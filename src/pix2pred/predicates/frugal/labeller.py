@@ -61,11 +61,15 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class FrugalLabeller:
-    """Labels states with one model; ``together`` bounds how many questions are under way at once."""
+    """Labels states with one model; ``together`` bounds how many questions are under way at once.
+
+    Questions about demonstrations show fewer states where these would be more than ``max_pictures``.
+    """
 
     vlm: VLM
     settings: LabelSettings
     together: Together = field(default_factory=Together)
+    max_pictures: int | None = None
 
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
         asking = replace(self, vlm=Telling(self.vlm, demo.name))
@@ -92,12 +96,20 @@ class FrugalLabeller:
         return self._by_several_words(Stretch(states, (step.action,), step.t - 1, objects, about, known), atoms)
 
     def _stretches(self, demo: Demo) -> Iterator[Stretch]:
-        size = self.settings.states_per_query
+        size = self._states_shown(max((len(s.pictures) for s in demo.states), default=0))
         for start in range(0, max(1, len(demo.states) - 1), size - 1):
             end = min(start + size, len(demo.states))
             about = f"{demo.name}, states {start} to {end - 1}"
             states, actions = tuple(demo.states[start:end]), tuple(demo.actions[start : end - 1])
             yield Stretch(states, actions, start, demo.objects, about)
+
+    def _states_shown(self, cameras: int) -> int:
+        """States in one question. Two are the fewest; whether their pictures are too many is said when it is asked."""
+        most = self.settings.states_per_query
+        if self.max_pictures is None or not cameras:
+            return most
+        crops = cameras if self.settings.crops else 0  # for every state but the first
+        return max(2, min(most, (self.max_pictures + crops) // (cameras + crops)))
 
     def _by_several_words(self, stretch: Stretch, atoms: Sequence[Atom]) -> StateLabels:
         """Labels of the last state of ``stretch``, each the majority over the words for its meaning.

@@ -25,6 +25,7 @@ from pix2pred.predicates.proposing.propose import (
     answered_proposal,
     judged,
     limit_text,
+    parts_of,
     refuse_empty,
 )
 from pix2pred.structs import Candidate, Demo, FromVLM, Predicate, Skill, Type
@@ -41,9 +42,12 @@ def propose_words(
     settings: ProposalSettings,
     given: Sequence[Predicate] = (),
     *,
+    max_pictures: int | None = None,
     progress: Progress = silent,
 ) -> tuple[Proposal, ...]:
     """One proposal for every kind of demonstration, in order. Raises ``EmptyProposalError`` if all are empty.
+
+    A demonstration of more than ``max_pictures`` pictures is asked about in parts, with a proposal for each.
 
     A demonstration is asked about when it has a skill with types of arguments, or a type of object, that none before
     it had. Every question tells the words of the answers before, so that one meaning has one word; the predicates
@@ -52,20 +56,21 @@ def propose_words(
     skills = [a.skill for demo in demos for a in demo.actions]
     chosen = tuple(new_kinds(demos))
     proposals: list[Proposal] = []
-    for demo in chosen:
-        known = [c.predicate for c in lift_words(proposals)]
-        proposals.append(
-            answered_proposal(
-                demo.name,
-                vlm,
-                lambda attempt, budget, demo=demo, known=known: words_request(  # type: ignore[misc]
-                    demo, known, settings, given, skills, attempt, budget
-                ),
-                lambda answer, demo=demo: read_words(demo, answer, settings, told(demo, given)),  # type: ignore[misc]
-                settings.attempts,
+    for done, demo in enumerate(chosen, start=1):
+        for part in parts_of(demo, max_pictures):
+            known = [c.predicate for c in lift_words(proposals)]
+            proposals.append(
+                answered_proposal(
+                    demo.name,
+                    vlm,
+                    lambda attempt, budget, demo=demo, known=known, part=part: words_request(  # type: ignore[misc]
+                        demo, known, settings, given, skills, attempt, budget, part
+                    ),
+                    lambda answer, demo=demo: read_words(demo, answer, settings, told(demo, given)),  # type: ignore[misc]
+                    settings.attempts,
+                )
             )
-        )
-        progress(Stage.PROPOSE, len(proposals), len(chosen), demo.name)
+        progress(Stage.PROPOSE, done, len(chosen), demo.name)
     return refuse_empty(vlm, proposals)
 
 
@@ -88,8 +93,13 @@ def words_request(
     skills: Iterable[Skill] = (),
     attempt: int = 0,
     budget: int = ANSWER_TOKENS,
+    part: range | None = None,
 ) -> Request:
-    """The question about one demonstration. What is the same in every question stands first: prompt caches hit."""
+    """The question about one demonstration, or the states ``part`` of it.
+
+    What is the same in every question stands first: prompt caches hit.
+    """
+    times = range(len(demo.states)) if part is None else part
     known_elsewhere = told(demo, given)
     text = fill(
         "frugal_propose",
@@ -99,9 +109,8 @@ def words_request(
         defined=defined_lines(known) or NOTHING,
         objects=object_lines(demo.objects),
         kinds=kind_lines(demo.objects),
-        actions="\n".join(f"{t}. {action_text(a)}" for t, a in enumerate(demo.actions)),
+        actions="\n".join(f"{t}. {action_text(demo.actions[t])}" for t in times[:-1]),
     )
-    times = range(len(demo.states))
     request = about_demo(
         Purpose.DEFINE,
         text,

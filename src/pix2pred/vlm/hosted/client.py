@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import math
 import threading
 import time
@@ -39,6 +40,11 @@ _RAISED = 16_384
 reports need for one picture question, and still allowed by models of 32,768 tokens."""
 
 
+_CHARACTERS_IN_A_TOKEN = 6
+"""More than any tokenizer makes of one token of our questions on average; pictures, which count too, are left out."""
+_LOG = logging.getLogger("pix2pred")
+
+
 class HostedVLM:
     """Asks a model over HTTP. ``hold`` is told how many seconds the provider wants no further requests.
 
@@ -62,6 +68,7 @@ class HostedVLM:
         own = model.provider.thinking_tokens(model.model)
         self._thinking = flow.thinking if flow.thinking is not None else own
         self._raised = False
+        self._cut_told = False
         self._spoke = False
         self._left_out: frozenset[Parameter] = frozenset()
         self._learning = threading.Lock()
@@ -86,7 +93,7 @@ class HostedVLM:
             except Exception as error:  # every library below has exceptions of its own; their texts may hold the key
                 failure = translated(error, self._model, self._key, self._flow.timeout, request)
             else:
-                return self._read(response, thinking, time.perf_counter() - begin)
+                return self._read(request, response, thinking, time.perf_counter() - begin)
             if isinstance(failure, UnwantedError) and failure.parameter not in left_out:
                 self._leave_out(failure.parameter)
             elif isinstance(failure, TooLargeError) and thinking:
@@ -184,13 +191,14 @@ class HostedVLM:
     def _budget(self, request: Request, thinking: int) -> int:
         return (self._flow.output_tokens or request.max_tokens) + thinking
 
-    def _read(self, response: ModelResponse, thinking: int, seconds: float) -> Answer:
+    def _read(self, request: Request, response: ModelResponse, thinking: int, seconds: float) -> Answer:
         text, unfinished = spoken("".join(part.content for part in response.parts if part.part_kind == "text"))
         details = response.provider_details or {}
         usage = response.usage
         cached = min(usage.cache_read_tokens, usage.input_tokens)
         price = dollars(self._model.provider.name, self._model.model, usage.input_tokens, usage.output_tokens, cached)
         spent = Spent(usage.input_tokens, usage.output_tokens, price, seconds, cached)
+        self._note_cut(request, usage.input_tokens)
         if refusal := details.get("refusal"):
             return Answer(str(refusal), finish=Finish.REFUSED, spent=spent)
         finish = Finish.CUT_SHORT if unfinished else _FINISHES.get(response.finish_reason or "", Finish.COMPLETE)
@@ -198,6 +206,18 @@ class HostedVLM:
             self._never_spoke(thinking, spent)
         self._spoke |= bool(text.strip())
         return Answer(text, finish=finish, tokens=_tokens(details.get("logprobs"), text), spent=spent)
+
+    def _note_cut(self, request: Request, counted: int) -> None:
+        """Warn, once, of a server that reads less of a question than there is: it cuts what its context lacks."""
+        characters = len(request.text)
+        if 0 < counted * _CHARACTERS_IN_A_TOKEN < characters and not self._cut_told:
+            self._cut_told = True
+            _LOG.warning(
+                "%s: %s has %d characters and %d pictures, and the server counted %d tokens: it cuts questions "
+                "silently, and labels are then answers to something else. Start it with a longer context (Ollama: "
+                "num_ctx, llama.cpp: --ctx-size, vLLM: --max-model-len) and run again with --mode live",
+                self.name, request.about or "a question", characters, len(request.views), counted,
+            )  # fmt: skip
 
     def _never_spoke(self, thinking: int, spent: Spent) -> NoReturn:
         """An answer was cut short before it said anything: give more room for thinking, once.
