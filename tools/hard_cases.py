@@ -115,9 +115,9 @@ def plain(view: View) -> Pixels:
     return np.asarray(image, dtype=np.uint8)
 
 
-def hardest(seed: int) -> Iterator[Case]:
+def hardest(seed: int, domains: Sequence[str]) -> Iterator[Case]:
     """The cases of the sheet, family by family; one of a demonstration, unless there are too few of these."""
-    for (domain, family), count in FAMILIES.items():
+    for (domain, family), count in ((key, count) for key, count in FAMILIES.items() if key[0] in domains):
         found = sorted(cases(domain, family, seed), key=lambda c: (-c.hardness, c.source))
         firsts = [c for i, c in enumerate(found) if c.source not in {d.source for d in found[:i]}]
         yield from [*firsts, *(c for c in found if c not in firsts)][:count]
@@ -127,11 +127,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--domains", nargs="*", default=sorted({domain for domain, _ in FAMILIES}))
     parser.add_argument("--columns", type=int, default=6, help="pictures in a row, two of each case")
     parser.add_argument("--singly", type=Path, help="a folder for the pairs, one file each")
     given = parser.parse_args()
     shown: list[Pixels] = []
-    for case in hardest(given.seed):
+    for case in hardest(given.seed, given.domains):
         shown += [plain(case.view), draw_view(case.view)]
         print(f"{case.source}: {case.view.heading} ({case.hardness:.1f})")
     given.out.parent.mkdir(parents=True, exist_ok=True)

@@ -15,7 +15,7 @@ from pix2pred.execution.belief.belief import Belief, Reading
 from pix2pred.execution.belief.constraints import Constraints, Group
 from pix2pred.execution.belief.evidence import Answers, log_odds, probability_of
 from pix2pred.execution.belief.perception import AtTheirWord, Believing
-from pix2pred.execution.pursuit import GivenUpError, GivingUp, Pursuit, nearest_plan, safer_plan
+from pix2pred.execution.pursuit import GivenUpError, GivingUp, NearestPlan, Pursuit, nearest_plan, safer_plan
 from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.structs import (
@@ -294,6 +294,24 @@ def test_without_a_plan_the_nearest_state_with_one_is_asked_about_first() -> Non
     found = nearest_plan(plan, TASK.goal, perception)
     assert found is not None and names(found.plan) == ["Take(h, a)", "Pack(h, a)"]
     assert [(q.atom, q.why) for q in perception.questions] == [(DONE(A), WhyAsked.NO_PLAN)]
+
+
+def test_that_the_goal_holds_is_never_assumed_while_there_is_something_to_do() -> None:
+    polish = operator("Polish", PREPARE, [X, Y], {lifted(FREE, X)}, {lifted(DONE, Y)}, set())
+
+    def nearest(*operators: Operator) -> NearestPlan | None:
+        model = WorldModel(VOCABULARY, (DONE, FREE), operators, "told")  # even odds before any look
+        said = START | {"free(h)": "False"}
+        vlm = Told([said], again={"done(a)": ["False", "False"], "free(h)": ["False", "False"]})
+        perception = Believing()(model, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+        perception.start(photo(0))
+        assert {DONE(A), FREE(H)} <= set(perception.possible())
+        planner = Planner(AStar())
+        return nearest_plan(lambda now: planner.plan(operators, TASK.objects, now, [DONE(A)]), [DONE(A)], perception)
+
+    found = nearest(polish)
+    assert found is not None and (names(found.plan), found.assumed) == (["Polish(h, a)"], (FREE(H),))
+    assert nearest() is None, "nothing makes it done, and to do nothing is no plan"
 
 
 def test_a_plan_that_does_not_rest_on_what_is_in_doubt_is_taken_when_it_is_cheap() -> None:

@@ -177,9 +177,24 @@ def nearest_plan(
     """A plan from the nearest state that has one, after what differs was asked about; None when there is none.
 
     Preconditions are positive, so that there is a plan from some state in doubt if and only if there is one from the
-    state in which all atoms hold that may hold. Of these the probable ones are tried first.
+    state in which all atoms hold that may hold. Of these the probable ones are tried first. That the goal itself holds
+    in part is assumed only if nothing else helps, and that it holds altogether never: there would be nothing to do.
     """
-    possible = perception.possible()
+    wanted = set(goal)
+    for assumable in ([a for a in perception.possible() if a not in wanted], perception.possible()):
+        nearest = _nearest_of(assumable, plan_from, wanted, perception)
+        if nearest is not None:
+            return nearest if nearest.plan or not nearest.assumed else None
+    return None
+
+
+def _nearest_of(
+    possible: Sequence[Atom],
+    plan_from: Callable[[AbstractState], PlanResult],
+    goal: Iterable[Atom],
+    perception: Perception,
+) -> NearestPlan | None:
+    """The same for states that differ in some of the atoms ``possible`` alone."""
     for count in sorted({1, len(possible) // 2, len(possible)} - {0}):
         if count > len(possible):
             break

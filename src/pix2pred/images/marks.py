@@ -94,12 +94,13 @@ class _Placing:
     def _line(self, spot: Box, end: Point) -> tuple[Point, Point] | None:
         """No line is needed right below or above the object, or on it when it is large.
 
-        Below a table the name would stand on the floor and name that: a large object needs a line from there.
+        Below a table the name would stand on the floor and name that: what is large and wide needs a line from there.
         """
         large = self.box.height > _LARGE * spot.height
         gap = min(abs(spot.top - self.box.bottom), abs(spot.bottom - self.box.top))
         under = abs(spot.center[0] - self.box.center[0]) < self.box.width / 2 and gap < _RIGHT_BESIDE
-        if (_distance(spot, self.box) == 0) if large else under:
+        on_it = large and _distance(spot, self.box) == 0
+        if on_it or (under and not (large and self.box.width > self.box.height)):
             return None
         return (min(max(end[0], spot.left), spot.right), min(max(end[1], spot.top), spot.bottom)), end
 
