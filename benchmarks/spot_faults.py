@@ -19,25 +19,19 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pix2pred.api import load_solver
 from pix2pred.demos import write_task
-from pix2pred.robots.acting import Unwatched
 from pix2pred.robots.robot import Outcome
 from pix2pred.robots.simulator.body import Body
 from pix2pred.robots.simulator.server import SpotServer
 from pix2pred.robots.simulator.settings import Traits
-from pix2pred.robots.spot.settings import SpotSettings
-from pix2pred.runs.folder import RunFolder
-from pix2pred.runs.robot_session import RobotSession
 from pix2pred.structs.environment import SimulatedTask
-from robots.simulated_spots import DOMAINS, PASSWORD, PATIENT, served, spot_for
-from robots.written_run import FAMILY, INDEX, write_run
+from robots.simulated_spots import DOMAINS, PASSWORD, PATIENT, served
+from robots.written_run import FAMILY, INDEX, put_right, work, write_run
 
 MOMENTS = 55
 """Commands and pictures of the task when nothing goes wrong: 58."""
@@ -76,15 +70,10 @@ class Bench:
         self.folder, self.domain = folder, DOMAINS["cleanup"]
         self.made = self.domain.tasks(FAMILY, 0, INDEX + 1)[INDEX]
 
-    def run(self, server: SpotServer, run: Path, answer: float = 90.0) -> tuple[str, str]:
-        """Work on the task, as the command line does; the outcome's name, or the exception that came through."""
-        settings = SpotSettings(deadlines=replace(PATIENT, answer=answer), poll=0.02, estop_timeout=90.0)
+    def run(self, server: SpotServer, run: Path, answer: float = PATIENT.answer) -> tuple[str, str]:
+        """Work on the task; the outcome's name, or the exception that came through."""
         try:
-            with RunFolder(run).locked() as locked:
-                solver, _ = load_solver(locked, "portfolio", closed_loop=True)
-                session = RobotSession(locked, self.made.task)
-                robot = spot_for(server, "cleanup", self.made.task, session.memory(), settings)
-                done = session.act(robot, solver, Unwatched())
+            done = work(server, run, self.made.task, answer)
         except Exception as error:  # which ones come through is what is measured
             return f"{type(error).__name__}: {error}", ""
         return str(done.outcome), done.detail
@@ -102,7 +91,7 @@ class Bench:
             run = write_run(folder / "run")
             with served(folder, "cleanup", FAMILY, INDEX, seed=0, faults=[text], robot_seed=seed) as server:
                 body = server.spot.body
-                outcome, detail = self.run(server, run, ANSWER if fault == "camera-timeout" else 90.0)
+                outcome, detail = self.run(server, run, ANSWER if fault == "camera-timeout" else PATIENT.answer)
                 before = {
                     "outcome": outcome, "detail": detail, "moments": server.spot.faults.moments,
                     "named": outcome in ENDS[fault] | LATE,
@@ -150,18 +139,6 @@ def until(holds: Callable[[], bool], longest: float) -> float:
     while not holds() and time.monotonic() - began < longest:
         time.sleep(0.02)
     return time.monotonic() - began
-
-
-def put_right(server: SpotServer) -> None:
-    """The tablet gives the robot back, the button is released, people help it up and change its battery."""
-
-    def right() -> None:
-        body = server.spot.body
-        body.leases.owner, body.stops.pressed, body.fallen = "", False, False
-        body.charge, body.silent_cameras = 83.0, False
-        server.spot.faults.planned = ()
-
-    server.spot.do(right)
 
 
 def summary(done: list[dict[str, Any]]) -> dict[str, Any]:

@@ -1,11 +1,16 @@
-"""A run folder with a world model written by hand: taking the eraser from the table, and wiping. Nothing is learned."""
+"""A run folder with a world model written by hand: taking the eraser from the table, and wiping. Nothing is learned.
+
+It is worked with as the command line does, against a simulated Spot in this process.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import yaml
 
+from pix2pred.api import load_solver
 from pix2pred.domains.cleanup import CleanupDomain
 from pix2pred.domains.cleanup.vocabulary import (
     HAND_EMPTY,
@@ -18,11 +23,17 @@ from pix2pred.domains.cleanup.vocabulary import (
     WIPED,
 )
 from pix2pred.registry import REGISTRY
+from pix2pred.robots.acting import Run, Unwatched
+from pix2pred.robots.simulator.server import SpotServer
+from pix2pred.robots.spot.settings import SpotSettings
+from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import CONFIG, MODEL
+from pix2pred.runs.robot_session import RobotSession
 from pix2pred.settings import Settings
-from pix2pred.structs import FromVLM, LiftedAtom, Operator, Predicate, Variable, WorldModel
+from pix2pred.structs import FromVLM, LiftedAtom, Operator, Predicate, Task, Variable, WorldModel
 from pix2pred.structs.formats.world_model import dump_model
 from pix2pred.vlm import AnswerStore
+from robots.simulated_spots import PATIENT, spot_for
 
 FAMILY, INDEX = "new-objects", 2
 """The task that the model is for: the eraser, and nothing else, lies on the scribbled table."""
@@ -57,3 +68,24 @@ def write_run(folder: Path) -> Path:
     }  # fmt: skip
     (folder / CONFIG).write_text(yaml.safe_dump(config), encoding="utf-8")
     return folder
+
+
+def work(server: SpotServer, folder: Path, task: Task, answer: float = PATIENT.answer) -> Run:
+    """Work on ``task`` with the run in ``folder``, or go on with it; an answer is waited for so many seconds."""
+    settings = SpotSettings(deadlines=replace(PATIENT, answer=answer), poll=0.02, estop_timeout=90.0)
+    with RunFolder(folder).locked() as locked:
+        solver, _ = load_solver(locked, "portfolio", closed_loop=True)
+        session = RobotSession(locked, task)
+        return session.act(spot_for(server, "cleanup", task, session.memory(), settings), solver, Unwatched())
+
+
+def put_right(server: SpotServer) -> None:
+    """The tablet gives the robot back, the button is released, people help it up and change its battery."""
+
+    def right() -> None:
+        body = server.spot.body
+        body.leases.owner, body.stops.pressed, body.fallen = "", False, False
+        body.charge, body.silent_cameras = 83.0, False
+        server.spot.faults.planned = ()
+
+    server.spot.do(right)
