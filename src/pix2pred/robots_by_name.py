@@ -19,6 +19,7 @@ from pix2pred.system.extras import optional
 if TYPE_CHECKING:
     from pix2pred.robots.simulator.server import SpotServer
     from pix2pred.robots.spot.check import Finding
+    from pix2pred.robots.spot.mapping import Enough, Mapped
 
 _PROGRAMS = {
     "cleanup": "pix2pred.robots.spot.skills.cleanup:REPERTOIRE",
@@ -76,3 +77,11 @@ def checked_spot(at: SpotAt, certificate: Path | None) -> Sequence[Finding]:
     from pix2pred.robots.spot import making
 
     return making.checked(making.connected(at, certificate))
+
+
+def mapped_tags(at: SpotAt, certificate: Path | None, size: float, enough: Enough, *, turn: bool) -> Mapped:
+    """A map of the tags around the Spot at ``at``, from looks that are told to ``enough``. Raises ``RobotError``."""
+    optional("bosdyn.client", "spot")
+    from pix2pred.robots.spot import making
+
+    return making.mapped(making.connected(at, certificate), size, enough, turn=turn)

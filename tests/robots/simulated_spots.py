@@ -34,10 +34,10 @@ FAST = Traits(pace=40.0, lease_patience=90.0)
 @contextmanager
 def served(
     folder: Path, domain: str = "cleanup", family: str = "new-objects", index: int = 0, *, seed: int = 0,
-    faults: Sequence[str] = (), traits: Traits = FAST,
+    faults: Sequence[str] = (), traits: Traits = FAST, robot_seed: int = 0,
 ) -> Iterator[SpotServer]:  # fmt: skip
     made = DOMAINS[domain]
-    spot = SimulatedSpot(lambda: made.roaming(family, seed, index), traits, [Fault.read(f) for f in faults], seed)
+    spot = SimulatedSpot(lambda: made.roaming(family, seed, index), traits, [Fault.read(f) for f in faults], robot_seed)
     server = SpotServer(spot, folder / "robot.pem", Login("user", PASSWORD))
     try:
         yield server

@@ -60,6 +60,17 @@ def test_a_program_of_somebody_else_runs_unchanged(server: Any) -> None:
     assert not body.powered and not body.standing
 
 
+def test_a_tutorial_walks_with_velocities_and_goes_to_its_dock(server: Any) -> None:
+    from robots.sdk_tutorial import walk_and_dock
+    from robots.simulated_spots import PASSWORD
+
+    told = walk_and_dock("127.0.0.1", server.port, str(server.certificate), "user", PASSWORD)
+    assert -0.51 < told["ahead"] < -0.01, "half a metre a second, for a second less the time of the call"
+    assert 0.01 < told["turned"] < 0.67
+    assert told["docked"] and told["charging"] and told["refused on the dock"] == "DockedError"
+    assert told["undocked"] and not told["powered"] and told["leases left"] == [""]
+
+
 def test_a_wrong_password_and_a_missing_login_are_refused(server: Any) -> None:
     import bosdyn.client
     from bosdyn.client.exceptions import UnauthenticatedError

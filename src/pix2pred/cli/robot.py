@@ -1,26 +1,30 @@
-"""``robot``: a simulated Spot, what to know before one moves, and tasks on one."""
+"""``robot``: a simulated Spot, what to know before one moves, a map of tags, and tasks on one."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import UsageError, err, out, plain, print_json, say
-from pix2pred.cli.ranges import NOT_NEGATIVE, POSITIVE, output_folder
-from pix2pred.cli.robot_watching import AtTheTerminal, Silent
+from pix2pred.cli.console import UsageError, counted, err, out, plain, print_json, say
+from pix2pred.cli.ranges import NOT_NEGATIVE, POSITIVE, between, output_file, output_folder
+from pix2pred.cli.robot_watching import AtTheTerminal, Silent, asked
 from pix2pred.demos import write_task
 from pix2pred.registry import Registry, check_family
 from pix2pred.robots.addresses import SimulatedEpisode, SpotAt, read_address
 from pix2pred.robots.robot import Outcome
-from pix2pred.robots_by_name import checked_spot, simulated_robot, simulated_spot, spot
+from pix2pred.robots_by_name import checked_spot, mapped_tags, simulated_robot, simulated_spot, spot
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.robot_session import RobotSession, task_for
 from pix2pred.structs.environment import SimulatedTask
 
 robot = App(name="robot")
+
+SIDE = between(0.01, 2)
+"""Metres of a tag's side."""
 
 AsJson = Annotated[bool, Parameter(negative=(), help="Print one JSON object on the last line.")]
 Certificate = Annotated[
@@ -121,6 +125,53 @@ def check(
         out.print(plain(finding.said), markup=False, soft_wrap=True)
     say("Ready." if ready else "Not ready: see above.")
     return 0 if ready else 1
+
+
+@robot.command(name="map")
+def map_tags(
+    host: Annotated[str, Parameter(help="Name or address of the robot.")],
+    /,
+    *,
+    out_file: Annotated[Path, Parameter(name="--out", help="The map, for run --map.", validator=output_file)],
+    tag_size: Annotated[float, Parameter(help="Side of the tags' black square, in metres.", validator=SIDE)] = 0.3,
+    turn: Annotated[bool, Parameter(negative=(), help="Let the robot stand up and turn about itself.")] = False,
+    looks: Annotated[int, Parameter(help="End after so many looks [default: Ctrl-C].", validator=POSITIVE)] = 1000,
+    yes: Annotated[bool, Parameter(negative=(), help="Do not ask before the robot moves.")] = False,
+    port: Annotated[int | None, Parameter(help="Port of a simulated Spot.", validator=POSITIVE)] = None,
+    certificate: Certificate = None,
+    json: AsJson = False,
+) -> int:
+    """Make a map of the tags on the walls, while somebody walks the robot about with its tablet.
+
+    The map begins where the robot looks first: let it stand there where it shall look at its tasks from. Whenever it
+    has been walked on it looks again; stop now and then. Nothing moves it or takes it here, except with --turn.
+
+    For example:
+
+    - `pix2pred robot map 192.168.80.3 --tag-size 0.146 --out hall.json`
+    - `pix2pred robot map 127.0.0.1 --port 4443 --certificate spot/robot.pem --turn --out hall.json`
+    """
+    if turn and not yes and (json or not asked("The robot will stand up and turn about itself. Go on? [y/N] ")):
+        raise UsageError("nothing was moved; --yes lets it move without asking")
+    taken = 0
+
+    def enough(seen: Sequence[int]) -> bool:
+        nonlocal taken
+        taken += 1
+        err.print(f"look {taken}: " + (f"tags {', '.join(map(str, seen))}" if seen else "no tag"), style="dim")
+        return taken >= looks
+
+    made = mapped_tags(SpotAt(host, port), certificate, tag_size, enough, turn=turn)
+    made.tags.save(out_file)
+    once = sorted(number for number, times in made.seen.items() if times == 1)
+    if json:
+        print_json({"map": str(out_file), "tags": sorted(made.tags.tags), "looks": made.looks, "seen_once": once})
+    else:
+        say(f"{counted(len(made.tags.tags), 'tag')} from {counted(made.looks, 'look')}: {out_file}")
+        say(f"In the worst look, corners are {made.worst:.1f} pixels off.")
+        if once:
+            say(f"Seen from one place only, and thus less sure: {', '.join(map(str, once))}")
+    return 0
 
 
 # Longer than others: every option is a line, with its help.

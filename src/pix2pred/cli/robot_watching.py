@@ -33,7 +33,7 @@ class AtTheTerminal:
         self._stop = threading.Event()
 
     def may_move(self, robot: Robot) -> bool:
-        return _yes(f"{robot.name} is connected. It will stand up, walk to its place and look around. Go on? [y/N] ")
+        return asked(f"{robot.name} is connected. It will stand up, walk to its place and look around. Go on? [y/N] ")
 
     def planned(self, scene: PlannedScene) -> bool:
         self._session.keep(scene.task.initial)
@@ -45,7 +45,7 @@ class AtTheTerminal:
             say("It rests on what is in doubt: " + ", ".join(f"{a} ({scene.believed[a]:.0%})" for a in doubted))
         if not scene.result.plan:
             return True
-        if not _yes("Run it? [y/N] "):
+        if not asked("Run it? [y/N] "):
             return False
         err.print("Enter stops after the skill that runs, Ctrl-C at once.", style="dim")
         threading.Thread(target=self._listen, daemon=True).start()
@@ -76,6 +76,7 @@ class AtTheTerminal:
             self._stop.set()
 
 
-def _yes(question: str) -> bool:
+def asked(question: str) -> bool:
+    """Whether a person at the terminal says yes."""
     print(question, end="", flush=True, file=sys.stderr)
     return sys.stdin.readline().strip().lower() in ("y", "yes")

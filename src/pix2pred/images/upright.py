@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
 from pix2pred.structs import Pixels
+
+Number = TypeVar("Number", float, NDArray[np.float64])
 
 _CUT = 0.11
 """Share cut off at every side after a turn by 12 degrees: no empty corners are left at the middles of the sides."""
@@ -37,8 +40,8 @@ def upright_numbers(numbers: NDArray[np.int32], angle: int) -> NDArray[np.int32]
     return np.asarray(image, dtype=np.int32)[_cut(turned.shape)]
 
 
-def before_turning(x: float, y: float, size: tuple[int, int], angle: int) -> tuple[float, float]:
-    """Where a point of the upright picture is in the picture as taken, whose (width, height) is ``size``."""
+def before_turning(x: Number, y: Number, size: tuple[int, int], angle: int) -> tuple[Number, Number]:
+    """Where points of the upright picture are in the picture as taken, whose (width, height) is ``size``."""
     quarter, rest = _turns(angle)
     width, height = size if quarter % 2 == 0 else (size[1], size[0])
     if rest:

@@ -71,6 +71,8 @@ class Run:
     plan: tuple[str, ...] = ()
     skills: list[RanSkill] = field(default_factory=list)
     replans: int = 0
+    under_way: str = ""
+    """The skill that was begun and whose end is not known."""
 
     def as_dict(self) -> dict[str, Any]:
         """The same for programs."""
@@ -81,6 +83,7 @@ class Run:
             "plan": list(self.plan),
             "skills": [{"action": s.action, "status": s.status.value, "detail": s.detail} for s in self.skills],
             "replans": self.replans,
+            "under_way": self.under_way,
         }
 
 
@@ -93,7 +96,7 @@ def act(
 ) -> Run:
     """Work on ``task``, whose initial state is what the robot sees first; gives how it went, and never raises for it.
 
-    ``robot`` is entered here and left in every case. ``remember`` is told after every skill.
+    ``robot`` is entered here and left in every case. ``remember`` is told before and after every skill.
     """
     run = Run(task.name)
     try:
@@ -129,7 +132,10 @@ def _work(
             run.outcome, run.detail = Outcome.STOPPED, "stopped before the next skill"
             return
         action = Action(guided.step.operator.skill, guided.step.skill_objects)
+        run.under_way = str(action)
+        remember(run)
         step = robot.execute(action)
+        run.under_way = ""
         run.skills.append(RanSkill(str(action), step.status, step.detail))
         remember(run)
         look = guided.observe(robot.observe(), told=True, reported=step.status)

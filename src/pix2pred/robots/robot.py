@@ -43,10 +43,14 @@ class RobotError(Pix2predError):
 
 @dataclass(frozen=True, slots=True)
 class RobotMemory:
-    """What an earlier session with a robot left: where its map of tags is kept, and what its hand held."""
+    """What an earlier session with a robot left: where its map of tags is kept, and what its hand held.
+
+    ``under_way`` is a skill that was begun and whose end nobody saw, because the session ended in it.
+    """
 
     map_file: Path | None = None
     holding: str | None = None
+    under_way: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The folder of a task on a robot: what it saw, ran and holds, so that a stopped session can be gone on with.
 
-robot/<task>/session.json     outcome, skills, and what the hand holds
+robot/<task>/session.json     outcome, skills, the one under way, and what the hand holds
 robot/<task>/map.json         the map of tags, when a robot walks by one
 robot/<task>/looks/<n>/       the pictures of the n-th look
 """
@@ -47,30 +47,30 @@ class RobotSession:
         self._name = f"{ROBOT}/{task.name}"
         self.path = run.path / self._name
         self._looks = 0
+        self._under_way = ""
 
     def memory(self, map_file: Path | None = None) -> RobotMemory:
-        """What is known from the last session; the map is kept in ``map_file``, or here."""
+        """What is known from the last session; the map is kept in ``map_file``, or here. Raises ``RunFolderError``."""
         self.path.mkdir(parents=True, exist_ok=True)
-        return RobotMemory(map_file or self.path / MAP, self._holding())
-
-    def _holding(self) -> str | None:
-        """What the hand held when the last session ended. Raises ``RunFolderError`` for a damaged file."""
-        file = self.path / SESSION
-        if not file.exists():
-            return None
-        try:
-            held = json.loads(file.read_text(encoding="utf-8"))["holding"]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise RunFolderError(f"{file}: is damaged ({error}); remove it if the robot's hand is empty") from error
+        file, held = self.path / SESSION, None
+        if file.exists():
+            try:
+                data = json.loads(file.read_text(encoding="utf-8"))
+                held, self._under_way = data["holding"], str(data.get("under_way", ""))
+            except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+                raise RunFolderError(f"{file}: is damaged ({error}); remove it if the robot's hand is empty") from error
         if held is not None and held not in {o.name for o in self.task.objects}:
             raise RunFolderError(f"{file}: the hand holds {held!r}, which is no object of the task")
-        return str(held) if held is not None else None
+        return RobotMemory(map_file or self.path / MAP, held, self._under_way)
 
     def act(self, robot: Robot, solver: Solver, watcher: Watcher) -> Run:
-        """Work on the task; what happened is on disk after every skill."""
+        """Work on the task; what happened is on disk before and after every skill."""
 
         def remember(run: Run) -> None:
-            self._run.write_json(f"{self._name}/{SESSION}", run.as_dict() | {"holding": robot.holding})
+            if run.skills or run.under_way:
+                self._under_way = run.under_way
+            left = {"holding": robot.holding, "under_way": self._under_way}
+            self._run.write_json(f"{self._name}/{SESSION}", run.as_dict() | left)
 
         return act(robot, self.task, solver, watcher, remember)
 

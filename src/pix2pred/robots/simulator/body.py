@@ -9,7 +9,7 @@ import numpy as np
 
 from pix2pred.robots.simulator.faults import FaultKind, Faults
 from pix2pred.robots.simulator.leases import Leases
-from pix2pred.robots.simulator.motion import End, Reach, Walk, reach, walk
+from pix2pred.robots.simulator.motion import End, Reach, reach
 from pix2pred.robots.simulator.settings import (
     BODY_FROM_PLACE,
     CARRYING,
@@ -19,6 +19,7 @@ from pix2pred.robots.simulator.settings import (
     Traits,
 )
 from pix2pred.robots.simulator.stops import StopLevel, Stops
+from pix2pred.robots.simulator.walking import Drift, Walk, drive, met, walk
 from pix2pred.structs.space.poses import FloorPose, Pose
 from pix2pred.structs.space.surroundings import Surroundings
 
@@ -44,7 +45,7 @@ class Body:
         self.open = 0.0
         self.powered = self.standing = self.fallen = self.silent_cameras = False
         self.charge = 83.0
-        self.stowable = False
+        self.stowable = self.docked = False
         self.walks: dict[int, Walk] = {}
         self.reaches: dict[int, Reach] = {}
         self._walk: Walk | None = None
@@ -71,6 +72,11 @@ class Body:
     def moving(self) -> bool:
         """Whether the legs are on their way."""
         return self._walk is not None
+
+    @property
+    def reaching(self) -> bool:
+        """Whether the hand is on its way."""
+        return self._reach is not None
 
     @property
     def hand_in_room(self) -> Pose:
@@ -116,15 +122,47 @@ class Body:
                 motion.end = End.STOPPED
         self._walk = self._reach = None
 
-    def go(self, goal: FloorPose, until: float) -> Walk:
-        """Walk until odometry says ``goal``, which is where the nose shall be."""
+    def go(self, *via: FloorPose, until: float = math.inf) -> Walk:
+        """Walk until odometry says the last place of ``via``, which is where the nose shall be."""
         self._stop_walking()
         made = walk(
-            self.next_number(), self.felt, self.place, goal, self.motion_time, until,
-            self.faults.share(FaultKind.DRIFT), self.traits, self.rng,
+            self.next_number(), self.felt, self.place, via, self.motion_time, until, self._drift(), self.traits,
+            self.around.stands,
         )  # fmt: skip
         share = self.faults.share(FaultKind.BLOCKED)
-        made.blocked = not self.around.stands(made.true[1]) or bool(share and self.rng.random() < share)
+        if share and self.rng.random() < share:
+            made.clear = min(made.clear, float(self.rng.uniform()) * made.lasts)
+        return self._begin(made)
+
+    def go_in_room(self, via: Sequence[FloorPose], until: float) -> Walk:
+        """Walk through places of the room that the robot sees, whatever its odometry says."""
+        self._stop_walking()
+        odom = self.odom_from_room
+        felt = [(odom * Pose.on_floor(place)).floor for place in via]
+        made = walk(
+            self.next_number(), self.felt, self.place, felt, self.motion_time, until, Drift(), self.traits,
+            self.around.stands,
+        )  # fmt: skip
+        return self._begin(made)
+
+    def drive(self, velocity: FloorPose, seconds: float) -> Walk:
+        """Walk with a velocity of the body for a while."""
+        self._stop_walking()
+        made = drive(
+            self.next_number(), self.felt, self.place, velocity, seconds, self.motion_time, self._drift(),
+            self.traits.pace, self.around.stands,
+        )  # fmt: skip
+        return self._begin(made)
+
+    def walkable(self, place: FloorPose) -> bool:
+        """Whether the robot gets to a place of the room."""
+        way = walk(0, self.place, self.place, (place,), 0.0, 0.0, Drift(), self.traits, self.around.stands)
+        return met(way.true, self.around.stands) is None
+
+    def _drift(self) -> Drift:
+        return Drift.drawn(self.faults.share(FaultKind.DRIFT), self.rng)
+
+    def _begin(self, made: Walk) -> Walk:
         self.walks[made.number] = self._walk = made
         self._forget(self.walks)
         return made
@@ -168,10 +206,12 @@ class Body:
             return
         now = self.motion_time
         self.felt, self.place = going.at(now)
-        if going.blocked:
+        gone = now - going.began
+        if gone >= going.clear:
             going.end = End.BLOCKED
-        elif now - going.began >= going.lasts:
+        elif gone >= going.lasts:
             going.end = End.DONE
+            going.then()
         elif self.now() >= going.until:
             going.end = End.STOPPED
         if going.end is not End.RUNNING:

@@ -9,8 +9,9 @@ import numpy as np
 
 from pix2pred.robots.simulator.body import Body, facing_down
 from pix2pred.robots.simulator.faults import FaultKind
-from pix2pred.robots.simulator.motion import End, Reach, Walk
+from pix2pred.robots.simulator.motion import End, Reach
 from pix2pred.robots.simulator.settings import APPROACH
+from pix2pred.robots.simulator.walking import Walk
 from pix2pred.robots.standing import around
 from pix2pred.structs.space.poses import Array, FloorPose, Pose
 from pix2pred.structs.space.surroundings import Grip, Seen
@@ -73,7 +74,7 @@ class Grasping:
             self._reach_down(grasp)
         elif (place := self._place_for(seen.at)) is not None and may_walk:
             felt = (body.odom_from_room * Pose.on_floor(place)).floor
-            grasp.walk, grasp.state = body.go(felt, float("inf")), GraspState.WALKING
+            grasp.walk, grasp.state = body.go(felt), GraspState.WALKING
         else:
             grasp.state = GraspState.NO_SOLUTION
         return grasp
@@ -113,10 +114,10 @@ class Grasping:
         return body.around.grasp(target.name) is Grip.TAKEN
 
     def _place_for(self, at: Array) -> FloorPose | None:
-        """The nearest place from which the arm reaches a point of the room, and where the robot can stand."""
+        """The nearest place from which the arm reaches a point of the room, and to which the robot gets."""
         body = self._body
         for place in around(at, body.place, STAND_OFF):
-            if self._within(at, place, MARGIN) and body.around.stands(place):
+            if self._within(at, place, MARGIN) and body.walkable(place):
                 return place
         return None
 

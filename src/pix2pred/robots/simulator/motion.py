@@ -1,8 +1,7 @@
-"""Motions that take time: walking, which drifts, and the hand going through a path."""
+"""Motions that take time: how they end, and the hand going through a path."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -10,12 +9,7 @@ from enum import Enum, auto
 import numpy as np
 
 from pix2pred.robots.simulator.settings import Traits
-from pix2pred.structs.space.poses import FloorPose, Pose, wrapped
-
-Rng = np.random.Generator
-
-TURN_PER_METRE = 0.4
-"""Radians that the heading is off after a metre, as a multiple of the drift's share."""
+from pix2pred.structs.space.poses import Pose
 
 
 class End(Enum):
@@ -25,53 +19,6 @@ class End(Enum):
     DONE = auto()
     BLOCKED = auto()
     STOPPED = auto()
-
-
-def between(a: FloorPose, b: FloorPose, share: float) -> FloorPose:
-    """The pose after ``share`` of the way, turning the shorter way."""
-    turn = wrapped(b.yaw - a.yaw)
-    return FloorPose(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), wrapped(a.yaw + share * turn))
-
-
-@dataclass(slots=True)
-class Walk:
-    """Walking from one place to another, as odometry has it and as it is in truth."""
-
-    number: int
-    felt: tuple[FloorPose, FloorPose]
-    true: tuple[FloorPose, FloorPose]
-    began: float
-    lasts: float
-    until: float
-    blocked: bool = False
-    end: End = End.RUNNING
-
-    def at(self, now: float) -> tuple[FloorPose, FloorPose]:
-        """Where odometry has it and where it is now."""
-        share = min(1.0, max(0.0, (now - self.began) / self.lasts)) if not self.blocked else 0.0
-        return between(*self.felt, share), between(*self.true, share)
-
-
-def walk(
-    number: int, felt: FloorPose, true: FloorPose, goal: FloorPose, now: float, until: float, drift: float,
-    traits: Traits, rng: Rng,
-) -> Walk:  # fmt: skip
-    """A walk to ``goal`` in the odometry's frame.
-
-    The robot ends where its odometry says that the goal is; in truth the way was longer or shorter, and the turn
-    larger or smaller, by a share drawn up to ``drift`` once a walk, and the heading is off by the way walked.
-    """
-    step = felt.inverse * goal
-    way, turn = math.hypot(step.x, step.y), wrapped(step.yaw)
-    longer, turned, off = rng.uniform(-drift, drift, size=3)
-    heading = float(off) * TURN_PER_METRE * way
-    c, s = math.cos(heading / 2), math.sin(heading / 2)
-    stretch = 1 + float(longer)
-    real = FloorPose(
-        stretch * (c * step.x - s * step.y), stretch * (s * step.x + c * step.y), turn * (1 + float(turned)) + heading
-    )
-    lasts = max(0.2, way / traits.walking_speed + abs(turn) / traits.turning_speed)
-    return Walk(number, (felt, goal), (true, true * real), now, lasts, until)
 
 
 @dataclass(slots=True)

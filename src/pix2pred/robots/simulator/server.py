@@ -11,6 +11,7 @@ from typing import Any
 import grpc
 from bosdyn.api import (
     auth_service_pb2_grpc,
+    data_buffer_service_pb2_grpc,
     directory_service_pb2_grpc,
     estop_service_pb2_grpc,
     image_service_pb2_grpc,
@@ -23,11 +24,14 @@ from bosdyn.api import (
     robot_state_service_pb2_grpc,
     time_sync_service_pb2_grpc,
 )
+from bosdyn.api.docking import docking_service_pb2_grpc
 
 from pix2pred.robots.simulator.certificate import make_certificate
 from pix2pred.robots.simulator.services.access import Auth, Directory, Door, Doorkeeper, Entry, RobotId, TimeSync
 from pix2pred.robots.simulator.services.commanding import CommandService
+from pix2pred.robots.simulator.services.docking import DockingService
 from pix2pred.robots.simulator.services.holding import EstopService, LeaseService, PowerService
+from pix2pred.robots.simulator.services.noting import DataBufferService
 from pix2pred.robots.simulator.services.seeing import ImageService, StateService
 from pix2pred.robots.simulator.services.taking import DetectionService, ManipulationService
 from pix2pred.robots.simulator.spot import SimulatedSpot
@@ -56,6 +60,8 @@ _SERVICES = (
     Entry("robot-command", "bosdyn.api.RobotCommandService", f"command.{_DOMAIN}"),
     Entry("image", "bosdyn.api.ImageService", f"api.{_DOMAIN}"),
     Entry("manipulation", "bosdyn.api.ManipulationApiService", f"manipulation.{_DOMAIN}"),
+    Entry("docking", "bosdyn.api.docking.DockingService", f"docking.{_DOMAIN}"),
+    Entry("data-buffer", "bosdyn.api.DataBufferService", f"buffer.{_DOMAIN}"),
     Entry("network-compute-bridge", "bosdyn.api.NetworkComputeBridge", f"api.{_DOMAIN}"),
 )
 
@@ -118,6 +124,8 @@ def _servicers(spot: SimulatedSpot, door: Door) -> Sequence[tuple[Callable[[Any,
         (robot_state_service_pb2_grpc.add_RobotStateServiceServicer_to_server, StateService(spot)),
         (robot_command_service_pb2_grpc.add_RobotCommandServiceServicer_to_server, CommandService(spot, clocks)),
         (image_service_pb2_grpc.add_ImageServiceServicer_to_server, ImageService(spot)),
+        (docking_service_pb2_grpc.add_DockingServiceServicer_to_server, DockingService(spot, clocks)),
+        (data_buffer_service_pb2_grpc.add_DataBufferServiceServicer_to_server, DataBufferService(spot)),
         (manipulation_api_service_pb2_grpc.add_ManipulationApiServiceServicer_to_server, ManipulationService(spot)),
         (
             network_compute_bridge_service_pb2_grpc.add_NetworkComputeBridgeServicer_to_server,

@@ -10,8 +10,8 @@ from pix2pred.robots.robot import Outcome, RobotError
 from pix2pred.robots.spot.eyes import Eyes
 from pix2pred.robots.spot.link import named, trouble
 from pix2pred.robots.spot.session import Session
-from pix2pred.robots.spot.settings import CAMERAS, DEPTH_OF, HAND_CAMERA
-from pix2pred.structs.space.poses import Pose
+from pix2pred.robots.spot.settings import CAMERAS, DEPTH_OF
+from pix2pred.robots.spot.whereabouts import sightings
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,10 +86,9 @@ def _cameras(session: Session) -> list[Finding]:
     if missing:
         return found
     try:
-        shots = Eyes(session).shots([c for c in CAMERAS if c != HAND_CAMERA], grey=True)
+        _, seen_tags = sightings(Eyes(session), TagFinder(session.settings.tag_size), session.settings)
     except RobotError as error:
         return [*found, Finding("pictures", False, str(error))]
-    finder = TagFinder(session.settings.tag_size)
-    tags = sorted({s.number for shot in shots.values() for s in finder.find(shot.pixels, Pose(), shot.lens)})
+    tags = sorted({s.number for s in seen_tags})
     seen = f"sees {', '.join(map(str, tags))}" if tags else "sees none from here: it could not tell where it is"
     return [*found, Finding("tags", bool(tags), seen)]

@@ -56,10 +56,10 @@ class Shot:
         """The picture, upright."""
         return upright(self.pixels, self.turn)
 
-    def raw_point(self, x: float, y: float) -> tuple[float, float]:
-        """A point of the upright picture in the picture as taken."""
+    def raw_points(self, x: NDArray[Any], y: NDArray[Any]) -> Array:
+        """Points of the upright picture in the picture as taken, of shape (n, 2)."""
         height, width = self.pixels.shape[:2]
-        return before_turning(x, y, (width, height), self.turn)
+        return np.column_stack(before_turning(x, y, (width, height), self.turn))
 
 
 def roll_of(axes: Array) -> int:

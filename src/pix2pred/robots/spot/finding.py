@@ -139,9 +139,7 @@ def points_of(
     """The points of an object, from the pixels of its outline that have a distance; None when there are none."""
     rows, columns = np.nonzero(mask)
     step = max(1, len(rows) // MOST_POINTS)
-    raw = np.array([shot.raw_point(x + 0.5, y + 0.5) for x, y in zip(columns[::step], rows[::step], strict=True)])
-    if not len(raw):
-        return None
+    raw = shot.raw_points(columns[::step] + 0.5, rows[::step] + 0.5)
     height, width = depth.shape
     inside = (raw[:, 0] >= 0) & (raw[:, 0] < width) & (raw[:, 1] >= 0) & (raw[:, 1] < height)
     raw = raw[inside]

@@ -8,9 +8,8 @@ from typing import Any
 
 from bosdyn.api import robot_state_pb2
 from bosdyn.client.exceptions import (
-    InvalidRequestError,
+    Error,
     LeaseUseError,
-    ResponseError,
     RpcError,
     TimedOutError,
     UnauthenticatedError,
@@ -33,12 +32,12 @@ def named(doing: str, why: Callable[[], RobotError | None] = lambda: None) -> It
         ) from error
     except UnauthenticatedError as error:
         raise RobotError(Outcome.NOT_READY, f"{doing}: the robot wants a new login") from error
-    except (ResponseError, InvalidRequestError) as error:
-        raise (why() or RobotError(Outcome.NOT_READY, f"{doing}: refused ({type(error).__name__}: {error})")) from error
     except TimedOutError as error:
         raise RobotError(Outcome.CONNECTION_LOST, f"{doing}: no answer in time") from error
     except RpcError as error:
         raise RobotError(Outcome.CONNECTION_LOST, f"{doing}: no connection ({type(error).__name__})") from error
+    except Error as error:  # refused, failed, or not done in time
+        raise (why() or RobotError(Outcome.NOT_READY, f"{doing}: {type(error).__name__}: {error}")) from error
 
 
 def trouble(state: Any) -> RobotError | None:

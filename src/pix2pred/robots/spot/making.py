@@ -1,4 +1,4 @@
-"""Putting a Spot together: connection, credentials, outlines, programs; and a simulated one to connect to."""
+"""Putting a Spot together: connection, credentials, outlines, programs; looking at one; mapping the tags around one."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pix2pred.robots.robot import RobotMemory
 from pix2pred.robots.spot.check import Finding, check
 from pix2pred.robots.spot.credentials import credentials
 from pix2pred.robots.spot.finding import Outliner
+from pix2pred.robots.spot.mapping import Enough, Mapped, led, turning
 from pix2pred.robots.spot.robot import Hand, Spot
 from pix2pred.robots.spot.session import Address, Session
 from pix2pred.robots.spot.settings import SpotSettings
@@ -34,5 +35,18 @@ def checked(session: Session) -> list[Finding]:
     try:
         session.open()
         return check(session)
+    finally:
+        session.close()
+
+
+def mapped(session: Session, size: float, enough: Enough, *, turn: bool) -> Mapped:
+    """A map of the tags around; ``turn`` lets the robot stand up and turn. The session is opened and closed."""
+    try:
+        session.open()
+        if not turn:
+            return led(session, size, enough)
+        session.check()
+        session.take()
+        return turning(session, size, enough)
     finally:
         session.close()

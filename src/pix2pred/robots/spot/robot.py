@@ -18,7 +18,7 @@ from pix2pred.robots.spot.session import Session
 from pix2pred.robots.spot.settings import CAMERAS, DEPTH_OF, FRONT, HOME, LOOKING, SHOULDER, SpotSettings
 from pix2pred.robots.spot.skills.repertoire import Program, Repertoire
 from pix2pred.robots.spot.whereabouts import Whereabouts
-from pix2pred.structs import Action, Image, Object, Picture, State, Vocabulary
+from pix2pred.structs import Action, Image, Object, Picture, State, Vocabulary, parse_application
 from pix2pred.structs.environment import Step, StepStatus
 from pix2pred.structs.space.poses import FloorPose, Pose
 
@@ -45,7 +45,7 @@ class Spot:
     ) -> None:
         self.name, self.session = name, session
         self.objects = tuple(objects)
-        self._outliner, self._map_file, self._held = outliner, memory.map_file, memory.holding
+        self._outliner, self._memory, self._held = outliner, memory, memory.holding
         self._programs, self._words = hand.programs, hand.words
         self.eyes, self.limbs = Eyes(session), Limbs(session)
         self.whereabouts: Whereabouts
@@ -60,9 +60,9 @@ class Spot:
         try:
             self.session.open()
             self.session.check()
-            self.whereabouts = Whereabouts(self.eyes, self.limbs, self.settings, self._map_file)
-            if not self.session.state().manipulator_state.is_gripper_holding_item:
-                self._held = None
+            self.whereabouts = Whereabouts(self.eyes, self.limbs, self.settings, self._memory.map_file)
+            holds = self.session.state().manipulator_state.is_gripper_holding_item
+            self._held = (self._held or self._taken()) if holds else None
         except BaseException:
             self.session.close()
             raise
@@ -82,6 +82,17 @@ class Spot:
     @property
     def holding(self) -> str | None:
         return self._held
+
+    def _taken(self) -> str:
+        """What the skill took that was under way when the last session ended. Raises ``RobotError``."""
+        by_name = {o.name: o for o in self.objects}
+        names = parse_application(self._memory.under_way).args if self._memory.under_way else ()
+        for name in names:
+            if name in by_name and by_name[name].type.name in self._programs.held:
+                return name
+        raise RobotError(
+            Outcome.NOT_READY, "the hand holds something that no skill of the last session took: take it out of there"
+        )
 
     def took(self, name: str) -> None:
         """The hand closed on an object. Raises ``FailedError`` when the robot feels nothing in it."""

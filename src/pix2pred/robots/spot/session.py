@@ -116,8 +116,17 @@ class Session:
             return None
 
     def take(self) -> None:
-        """Stop button, lease, power, and standing up. Raises ``RobotError``."""
+        """Lease, stop button, power, and standing up. Raises ``RobotError``.
+
+        Nobody may change the stop buttons of a robot whose motors are on: one that somebody left so sits down first.
+        """
         deadlines = self.settings.deadlines
+        with named("acquiring the lease", self.why):
+            self._lease = LeaseKeepAlive(
+                self.client(LeaseClient.default_service_name), must_acquire=True, warnings=False
+            )
+        with named("switching off the motors that were left on", self.why):
+            self._sit()
         with named("setting up the stop button", self.why):
             endpoint = EstopEndpoint(
                 self.client(EstopClient.default_service_name), "pix2pred", self.settings.estop_timeout
@@ -125,21 +134,11 @@ class Session:
             endpoint.force_simple_setup()
             keep = EstopKeepAlive(endpoint)
             self._keeps.append(("stop button", keep.shutdown))
-        with named("acquiring the lease", self.why):
-            self._lease = LeaseKeepAlive(
-                self.client(LeaseClient.default_service_name), must_acquire=True, warnings=False
-            )
         self.check()
         with named("powering on", self.why):
             power_on_motors(self.client("power"), deadlines.power, QUICK, timeout=deadlines.answer)
         with named("standing up", self.why):
-            try:
-                blocking_stand(self.client(RobotCommandClient.default_service_name), deadlines.stand, QUICK)
-            except (
-                bosdyn.client.robot_command.CommandFailedError,
-                bosdyn.client.robot_command.CommandTimedOutError,
-            ) as e:
-                raise (self.why() or RobotError(Outcome.NOT_READY, f"standing up: {e}")) from e
+            blocking_stand(self.client(RobotCommandClient.default_service_name), deadlines.stand, QUICK)
 
     def command(self, command: Any, lasts: float | None = None) -> int:
         """Send a command, which ends after ``lasts`` seconds at the latest; gives its number. Raises ``RobotError``."""

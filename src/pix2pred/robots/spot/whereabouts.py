@@ -19,6 +19,22 @@ from pix2pred.structs.space.poses import FloorPose, Pose
 _BODY_CAMERAS = tuple(c for c in CAMERAS if c != HAND_CAMERA)
 
 
+def sightings(eyes: Eyes, finder: TagFinder, settings: SpotSettings) -> tuple[FloorPose, list[Sighting]]:
+    """The tags that the body's cameras see, and where the body is by odometry. Raises ``RobotError``."""
+    shots = eyes.shots(_BODY_CAMERAS, grey=True)
+    body_from_floor = Pose(np.array([-settings.nose, 0.0, settings.body_height]))
+    seen = []
+    for name in sorted(shots):
+        shot = shots[name]
+        seen += finder.find(shot.pixels, body_from_floor * shot.camera, shot.lens)
+    return next(iter(shots.values())).body.floor, seen
+
+
+def place_of(body: FloorPose, settings: SpotSettings) -> FloorPose:
+    """The place under the nose of a body."""
+    return body * FloorPose(settings.nose)
+
+
 class Whereabouts:
     """The map of tags and the place in it. Without a map, one is begun where the robot stands: that is its origin."""
 
@@ -27,8 +43,6 @@ class Whereabouts:
         self.tags = TagMap.load(file) if file is not None and file.exists() else None
         self._finder = TagFinder(self.tags.size if self.tags else settings.tag_size)
         self._map_from_odom: FloorPose | None = None
-        self._nose = FloorPose(settings.nose, 0.0, 0.0)
-        self._body_from_floor = Pose(np.array([-settings.nose, 0.0, settings.body_height]))
 
     @property
     def map_from_odom(self) -> FloorPose:
@@ -41,16 +55,12 @@ class Whereabouts:
 
     def place(self, body: Pose) -> FloorPose:
         """The place under the nose in the map, for a body seen from odometry's frame."""
-        return self.map_from_odom * body.floor * self._nose
+        return self.map_from_odom * place_of(body.floor, self._settings)
 
     def locate(self) -> Fix | None:
         """Look for tags. None when the map's are not seen or do not fit well enough: odometry then has to do."""
-        shots = self._eyes.shots(_BODY_CAMERAS, grey=True)
-        seen: list[Sighting] = []
-        for name in sorted(shots):
-            shot = shots[name]
-            seen += self._finder.find(shot.pixels, self._body_from_floor * shot.camera, shot.lens)
-        felt = next(iter(shots.values())).body.floor * self._nose
+        body, seen = sightings(self._eyes, self._finder, self._settings)
+        felt = place_of(body, self._settings)
         if self.tags is None:
             self._begin(seen)
         assert self.tags is not None, "a map was just begun"
@@ -70,7 +80,7 @@ class Whereabouts:
             here = fix.place if fix else self.place(self._limbs.odometry())
             if here.distance(goal) <= self._settings.near and here.turn_to(goal) <= self._settings.near_angle:
                 return
-            felt = self.map_from_odom.inverse * goal * self._nose.inverse
+            felt = self.map_from_odom.inverse * goal * FloorPose(-self._settings.nose)
             self._limbs.walk(felt)
             fix = self.locate()
             blind = 0.0 if fix else blind + here.distance(goal)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,26 +16,20 @@ from bosdyn.api import (
 
 from pix2pred.robots.simulator.body import NAMED, Body
 from pix2pred.robots.simulator.frames import from_body
-from pix2pred.robots.simulator.messages import floor_from_message, from_message
-from pix2pred.robots.simulator.motion import End, Reach, Walk
+from pix2pred.robots.simulator.messages import from_message
+from pix2pred.robots.simulator.motion import End, Reach
 from pix2pred.robots.simulator.services.access import TimeSync
 from pix2pred.robots.simulator.services.answering import answering, seconds_of, used
+from pix2pred.robots.simulator.services.legs import RefusedError, begin_legs, report_legs
 from pix2pred.robots.simulator.settings import BODY_FROM_PLACE
 from pix2pred.robots.simulator.spot import SimulatedSpot
+from pix2pred.robots.simulator.walking import Walk
 from pix2pred.structs.space.poses import Pose
 
 MOST_OPEN = 1.5708
 """Radians that the fingers open at most; the protocol counts them negative."""
 
 _STATUS = basic_command_pb2.RobotCommandFeedbackStatus
-
-
-class RefusedError(Exception):
-    """A command that is not carried out, with the name of its status."""
-
-    def __init__(self, status: str, why: str = "") -> None:
-        super().__init__(why)
-        self.status = status
 
 
 @dataclass(slots=True)
@@ -106,7 +99,8 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
                 raise RefusedError("STATUS_BEHAVIOR_FAULT", "the robot has fallen")
             parts = command.synchronized_command
             if parts.HasField("mobility_command"):
-                doing.walk = self._legs(body, parts.mobility_command, request.clock_identifier)
+                clock = self._clocks.knows(request.clock_identifier)
+                doing.walk = begin_legs(self._spot, parts.mobility_command, synchronised=clock)
             if parts.HasField("arm_command"):
                 self._arm(body, parts.arm_command, doing)
             if parts.HasField("gripper_command"):
@@ -130,35 +124,6 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
             body.fallen = False
         else:
             raise RefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
-
-    def _legs(self, body: Body, command: Any, clock: str) -> Walk | None:
-        kind = command.WhichOneof("command")
-        if kind == "stand_request":
-            body.standing = True
-        elif kind == "sit_request":
-            body.halt()
-            body.standing = False
-        elif kind == "stop_request":
-            body.halt()
-        elif kind == "se2_trajectory_request":
-            return self._walk(body, command.se2_trajectory_request, clock)
-        else:
-            raise RefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
-        return None
-
-    def _walk(self, body: Body, wanted: Any, clock: str) -> Walk:
-        if not self._clocks.knows(clock):
-            raise RefusedError("STATUS_NO_TIMESYNC", "synchronise clocks first")
-        left = seconds_of(wanted.end_time) - self._spot.time()
-        if left <= 0:
-            raise RefusedError("STATUS_EXPIRED", "the command's end was over before it came")
-        if wanted.se2_frame_name not in ("odom", "vision"):
-            raise RefusedError("STATUS_UNKNOWN_FRAME", f"walk in odom or vision, not in {wanted.se2_frame_name!r}")
-        if not wanted.trajectory.points:
-            raise RefusedError("STATUS_INVALID_REQUEST", "a trajectory has points")
-        goal = Pose.on_floor(floor_from_message(wanted.trajectory.points[-1].pose))
-        body.standing = True
-        return body.go((goal * Pose.on_floor(BODY_FROM_PLACE.inverse.floor)).floor, time.monotonic() + left)
 
     def _arm(self, body: Body, command: Any, doing: Doing) -> None:
         kind = command.WhichOneof("command")
@@ -210,7 +175,7 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
             return
         parts, told = doing.command.synchronized_command, feedback.synchronized_feedback
         if parts.HasField("mobility_command"):
-            self._report_legs(doing, parts.mobility_command, told.mobility_command_feedback)
+            report_legs(self._spot.body, doing.walk, parts.mobility_command, told.mobility_command_feedback)
         if parts.HasField("arm_command"):
             self._report_arm(doing, parts.arm_command, told.arm_command_feedback)
         if parts.HasField("gripper_command"):
@@ -229,28 +194,6 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
             told.stop_feedback.SetInParent()
         else:
             told.freeze_feedback.SetInParent()
-
-    def _report_legs(self, doing: Doing, command: Any, told: Any) -> None:
-        told.status = _STATUS.STATUS_PROCESSING
-        body = self._spot.body
-        if command.HasField("stand_request"):
-            stand = told.stand_feedback
-            stand.status = stand.STATUS_IS_STANDING if body.standing else stand.STATUS_IN_PROGRESS
-            stand.standing_state = stand.STANDING_CONTROLLED
-        elif command.HasField("sit_request"):
-            told.sit_feedback.status = told.sit_feedback.STATUS_IS_SITTING
-        elif doing.walk is not None:
-            walk, way = doing.walk, told.se2_trajectory_feedback
-            running = walk.end is End.RUNNING
-            way.status = way.STATUS_GOING_TO_GOAL if running else way.STATUS_AT_GOAL
-            way.body_movement_status = way.BODY_STATUS_MOVING if running else way.BODY_STATUS_SETTLED
-            way.final_goal_status = way.FINAL_GOAL_STATUS_IN_PROGRESS if running else way.FINAL_GOAL_STATUS_ACHIEVABLE
-            if walk.end is End.BLOCKED:
-                way.status, way.final_goal_status = way.STATUS_STOPPED, way.FINAL_GOAL_STATUS_BLOCKED
-            elif walk.end is End.STOPPED:
-                way.status = way.STATUS_STOPPED
-                expired = self._spot.body.now() >= walk.until
-                told.status = _STATUS.STATUS_COMMAND_TIMED_OUT if expired else _STATUS.STATUS_COMMAND_OVERRIDDEN
 
     @staticmethod
     def _report_arm(doing: Doing, command: Any, told: Any) -> None:

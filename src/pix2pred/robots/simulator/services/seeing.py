@@ -161,7 +161,7 @@ class StateService(robot_state_service_pb2_grpc.RobotStateServiceServicer):
         power = state.power_state
         power.timestamp.CopyFrom(now)
         power.motor_power_state = power.STATE_ON if body.powered else power.STATE_OFF
-        power.shore_power_state = power.STATE_OFF_SHORE_POWER
+        power.shore_power_state = power.STATE_ON_SHORE_POWER if body.docked else power.STATE_OFF_SHORE_POWER
         power.robot_power_state = power.ROBOT_POWER_STATE_ON
         power.locomotion_charge_percentage.value = body.charge
         battery = state.battery_states.add(
