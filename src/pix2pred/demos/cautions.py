@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from pix2pred.demos.by_skills import contradictions
 from pix2pred.demos.declared import Declared
 from pix2pred.demos.files.documents import DemoDoc, DomainDoc, load_document
 from pix2pred.demos.files.folders import DEMO, DEMOS, DOMAIN, IMAGES
@@ -23,7 +24,7 @@ def cautions(directory: Path, project: Project, declared: Declared, tasks: Seque
         *_skills(directory, project),
         *_objects(directory, project, declared, tasks),
         *_listed(directory, project),
-        *(warning for demo in project.demos for warning in _demo(directory, demo)),
+        *(warning for demo in project.demos for warning in _demo(directory, demo, project)),
     ]
 
 
@@ -35,7 +36,7 @@ def _few(directory: Path, project: Project) -> Iterator[Problem]:
 
 def _skills(directory: Path, project: Project) -> Iterator[Problem]:
     """Skills that are never seen cannot be learned; one that is seen once gets the preconditions of that one time."""
-    seen = Counter(action.skill.name for demo in project.demos for action in demo.actions)
+    seen = Counter(action.skill.name for demo in project.demos for action in demo.actions if not action.failed)
     lines = _Lines(directory / DOMAIN, directory, DomainDoc)
     for i, skill in enumerate(project.vocabulary.skills):
         if seen[skill.name] == 0:
@@ -79,13 +80,15 @@ def _listed(directory: Path, project: Project) -> Iterator[Problem]:
             yield lines.problem(("predicates", i), message)
 
 
-def _demo(directory: Path, demo: Demo) -> Iterator[Problem]:
+def _demo(directory: Path, demo: Demo, project: Project) -> Iterator[Problem]:
     lines = _Lines(directory / DEMOS / demo.name / DEMO, directory, DemoDoc)
     if not any(state.pictures for state in demo.states):
         where = f"{IMAGES}/0/main.jpg"
         yield lines.problem(("states",), f"no state has a picture: put the photo of the first at {where}, and so on")
     if demo.goal and all(_at_start(atom, demo.states[0]) for atom in demo.goal):
         yield lines.problem(("goal",), "the goal already holds at the start: nothing is demonstrated")
+    for loc, message in contradictions(demo, project.vocabulary.initial):
+        yield lines.problem(loc, message)
 
 
 def _at_start(atom: Atom, state: State) -> bool:

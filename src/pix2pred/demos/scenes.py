@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from pix2pred.demos.declared import Declared, resolve_objects
@@ -16,6 +17,7 @@ from pix2pred.demos.pictures import PictureCheck, Shown, find_pictures
 from pix2pred.structs import Action, Application, Atom, Box, Image, Object, Picture, State, parse_application
 from pix2pred.structs.formats.documents import ObjectDoc
 from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
+from pix2pred.structs.skills import FAILED
 
 _INSIDE = re.compile(r"([^\[\]]*?),?\s*(\[[^\[\]]*\])\s*\)\s*\Z")
 """An action whose parameters stand behind its objects, as the method's authors write them: ``pick(cup, hand, [])``."""
@@ -92,19 +94,20 @@ class SceneReader:
         return tuple(atoms)
 
     def actions(self, loc: Loc, texts: Sequence[str]) -> tuple[Action, ...]:
-        """The actions written as ``Push(a, b)[0.1, -0.2]``."""
+        """The actions written as ``Push(a, b)[0.1, -0.2]``; behind those that failed stands ``failed``."""
         actions = []
         for i, text in enumerate(texts):
             if is_unfilled(text):
                 self._sheet.report((*loc, i), ask_for_action(i, self._names.skills.values()))
                 continue
             try:
-                head, params = _split_params(text)
+                done, failed = _split_failed(text)
+                head, params = _split_params(done)
                 written = _parse(head)
                 if not self._is_broken(written):
                     action = self._names.action(written.name, written.args, params, self._objects)
                     _check_params(action)
-                    actions.append(action)
+                    actions.append(replace(action, failed=failed))
             except ValueError as error:
                 self._sheet.report((*loc, i), str(error))
         return tuple(actions)
@@ -189,6 +192,12 @@ def _parse(text: str) -> Application:
         cut = text.count("(") != text.count(")")
         hint = "; inside [ ] each entry with a comma needs quotes, or write one entry a line" if cut else ""
         raise ValueError(f"{error}{hint}") from None
+
+
+def _split_failed(text: str) -> tuple[str, bool]:
+    """An action without the word behind it that says it failed, and whether there was one."""
+    head, _, last = text.rstrip().rpartition(" ")
+    return (head, True) if last.strip("()").lower() == FAILED and head else (text, False)
 
 
 def _split_params(text: str) -> tuple[str, tuple[float, ...]]:

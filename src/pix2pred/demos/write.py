@@ -18,6 +18,7 @@ from pix2pred.demos.read import read_project, read_tasks
 from pix2pred.structs import Action, Demo, Image, Object, State, Vocabulary
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.formats.writing import predicate_doc, skill_doc, type_doc
+from pix2pred.structs.skills import FAILED
 
 
 def write_project(
@@ -199,7 +200,8 @@ def _number(value: float) -> int | float:
 
 def _action_text(action: Action) -> str:
     text = f"{action.skill.name}({', '.join(o.name for o in action.objects)})"
-    return text + (f"[{', '.join(repr(_number(p)) for p in action.params)}]" if action.params else "")
+    text += f"[{', '.join(repr(_number(p)) for p in action.params)}]" if action.params else ""
+    return f"{text} {FAILED}" if action.failed else text
 
 
 def _write_yaml(file: Path, doc: Mapping[str, Any]) -> None:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.structs import (
+    Action,
     Candidate,
     Label,
     LabelledDemo,
@@ -26,6 +27,7 @@ from pix2pred.structs import (
     groundings,
     unknown_as_false,
 )
+from pix2pred.structs.skills import FAILED
 
 ObjectIds = tuple[int, ...]
 Extension = frozenset[ObjectIds]
@@ -46,11 +48,12 @@ class Transition:
 
 @dataclass(frozen=True, slots=True)
 class IndexedDemo:
-    """A demonstration's objects, goal atoms and length in states."""
+    """A demonstration's objects, goal atoms and length in states, and how many of its steps failed."""
 
     objects: ObjectIds
     goal: tuple[tuple[int, ObjectIds], ...]
     states: int
+    failed: int = 0
 
 
 class IndexedTable:
@@ -61,7 +64,11 @@ class IndexedTable:
         self.predicates: tuple[Predicate, ...] = (*sorted(table.initial), *(c.predicate for c in self.candidates))
         self.initial = len(table.initial)
         self.objects: tuple[Object, ...] = tuple(sorted({o for demo in table.demos for o in demo.objects}))
-        self.skills: tuple[Skill, ...] = tuple(sorted({a.skill for demo in table.demos for a in demo.actions}))
+        actions = [action for demo in table.demos for action in demo.actions]
+        self.skills: tuple[Skill, ...] = tuple(sorted({_skill(action) for action in actions}))
+        failed = {_skill(action) for action in actions if action.failed}
+        self.failed = frozenset(i for i, skill in enumerate(self.skills) if skill in failed)
+        """Skills whose transitions are failures: no operator is learned of them."""
         self._object_ids = {o: i for i, o in enumerate(self.objects)}
         self._predicate_ids = {p: i for i, p in enumerate(self.predicates)}
         self._extensions = [self._read_states(demo, unknown_as_false(demo.values)) for demo in table.demos]
@@ -193,15 +200,21 @@ class IndexedTable:
         goal = tuple(
             (self._predicate_ids[a.predicate], tuple(self._object_ids[o] for o in a.objects)) for a in demo.goal
         )
-        return IndexedDemo(objects, goal, len(demo.actions) + 1)
+        return IndexedDemo(objects, goal, len(demo.actions) + 1, sum(action.failed for action in demo.actions))
 
     def _read_transitions(self, demos: Sequence[LabelledDemo]) -> list[Transition]:
         skill_ids = {s: i for i, s in enumerate(self.skills)}
         return [
-            Transition(d, step, skill_ids[action.skill], tuple(self._object_ids[o] for o in action.objects))
+            Transition(d, step, skill_ids[_skill(action)], tuple(self._object_ids[o] for o in action.objects))
             for d, demo in enumerate(demos)
             for step, action in enumerate(demo.actions)
         ]
+
+
+def _skill(action: Action) -> Skill:
+    """The skill of an action; failures of a skill are told apart from it as another."""
+    skill = action.skill
+    return replace(skill, name=f"{skill.name} ({FAILED})") if action.failed else skill
 
 
 def _most_general(own: Type, most: Type, wanted: Sequence[Type]) -> Type:

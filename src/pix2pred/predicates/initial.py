@@ -46,6 +46,9 @@ def _by_skills(source: FromSkills, atom: Atom, first: State, actions: Sequence[A
     values = [Label.of(source.initially or atom in first.given)]
     for action in actions:
         value = values[-1]
+        if action.failed:
+            values.append(value)
+            continue
         if any(_matches(trigger, action, atom) for trigger in source.cleared_by):
             value = Label.FALSE
         if any(_matches(trigger, action, atom) for trigger in source.set_by):

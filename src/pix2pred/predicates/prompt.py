@@ -8,6 +8,7 @@ from importlib.resources import files
 from string import Template
 
 from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, State, Type
+from pix2pred.structs.skills import FAILED
 from pix2pred.structs.views import LONGEST_SIDE, View
 
 
@@ -49,8 +50,9 @@ def kind_lines(objects: Iterable[Object]) -> str:
 
 
 def action_text(action: Action) -> str:
-    """``Skill[obj:type, obj:type]``."""
-    return f"{action.skill.name}[{', '.join(f'{o.prompt_name}:{o.type.name}' for o in action.objects)}]"
+    """``Skill[obj:type, obj:type]``, and whether it failed."""
+    text = f"{action.skill.name}[{', '.join(f'{o.prompt_name}:{o.type.name}' for o in action.objects)}]"
+    return f"{text} ({FAILED})" if action.failed else text
 
 
 def atom_text(atom: Atom) -> str:

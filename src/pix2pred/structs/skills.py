@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 
 from pix2pred.structs.objects import Object, Type
 
+FAILED = "failed"
+"""What stands behind an action, as text, that failed."""
+
 
 @dataclass(frozen=True, slots=True)
 class Skill:
@@ -34,12 +37,17 @@ class Skill:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """A skill with objects bound and continuous parameters chosen."""
+    """A skill with objects bound and continuous parameters chosen.
+
+    ``failed`` says of an action in a demonstration that it did not do what the skill is for.
+    """
 
     skill: Skill
     objects: tuple[Object, ...]
     params: tuple[float, ...] = ()
+    failed: bool = False
 
     def __str__(self) -> str:
         text = f"{self.skill.name}({', '.join(o.name for o in self.objects)})"
-        return text + (f"[{', '.join(repr(float(p)) for p in self.params)}]" if self.params else "")
+        text += f"[{', '.join(repr(float(p)) for p in self.params)}]" if self.params else ""
+        return text + (f" {FAILED}" if self.failed else "")

@@ -122,7 +122,8 @@ class Objective:
             task = self._tasks.task(part.tasks, d)
         except GroundingBudgetError:
             return None
-        return task, self._data.demos[d].states
+        demo = self._data.demos[d]
+        return task, demo.states - demo.failed
 
 
 def _search(request: tuple[DemoObjective, Strips | None, int, float]) -> DemoScore:

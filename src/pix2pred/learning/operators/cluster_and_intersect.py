@@ -62,7 +62,8 @@ class IntersectedOperators:
         return [
             OperatorSchema(number, cls, self._preconditions(cls, predicates))
             for number, cls in enumerate(classes)
-            if len(cls.members) >= self.settings.h_data_frac * per_skill[cls.skill] - ROUNDING
+            if cls.skill not in self.data.failed
+            and len(cls.members) >= self.settings.h_data_frac * per_skill[cls.skill] - ROUNDING
         ]
 
     def price(self, candidate: int) -> float:

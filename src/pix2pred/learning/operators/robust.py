@@ -144,6 +144,7 @@ class RobustOperators:
         return [
             OperatorSchema(number, cls, tuple((p, v) for p in sorted(predicates) for v in self._required(cls, p)))
             for number, cls in enumerate(classes)
+            if cls.skill not in self.data.failed
         ]
 
     def _required(self, cls: TransitionClass, p: int) -> list[tuple[int, ...]]:

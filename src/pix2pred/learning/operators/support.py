@@ -65,7 +65,7 @@ def operator_support(operators: Sequence[Operator], demos: Iterable[LabelledDemo
 def _support(
     operator: Operator, demo: LabelledDemo, step: int, action: Action, before: AbstractState, after: AbstractState
 ) -> Support | None:
-    if operator.skill != action.skill:
+    if operator.skill != action.skill or action.failed:
         return None
     gained, lost = after - before, before - after
     fixed = dict(zip(operator.skill_args, action.objects, strict=True))

@@ -9,7 +9,7 @@ import gzip
 import json
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -46,6 +46,7 @@ class TraceDemoDoc(Document):
     goal: tuple[tuple[str, ...], ...]
     actions: tuple[tuple[str, ...], ...]
     states: tuple[tuple[tuple[str, ...], ...], ...]
+    failed: tuple[int, ...] = Field((), description="numbers of the actions that failed, from 0")
     unknown: tuple[tuple[tuple[str, ...], ...], ...] | None = None
     confidence: tuple[tuple[tuple[tuple[str, ...], Annotated[float, Field(ge=0, le=1)]], ...], ...] | None = None
     """Per state, atoms with the probability of their label, where one is known."""
@@ -161,6 +162,9 @@ class _Builder:
         if doc.confidence is not None and len(doc.confidence) != len(doc.states):
             raise TracesError(f"{self._path}: {here}.confidence: must have one entry per state")
         actions = tuple(self._action(f"{here}.actions[{i}]", parts, objects) for i, parts in enumerate(doc.actions))
+        if beyond := [i for i in doc.failed if not 0 <= i < len(actions)]:
+            raise TracesError(f"{self._path}: {here}.failed: there is no action {beyond[0]}")
+        actions = tuple(replace(a, failed=i in doc.failed) for i, a in enumerate(actions))
         goal = tuple(self._atom(f"{here}.goal[{i}]", parts, objects) for i, parts in enumerate(doc.goal))
         for i, atom in enumerate(goal):
             if atom.predicate not in initial:
@@ -241,6 +245,8 @@ def _demo_doc(demo: LabelledDemo) -> dict[str, Any]:
         "actions": [[a.skill.name, *(o.name for o in a.objects)] for a in demo.actions],
         "states": rows(Label.TRUE),
     }
+    if failed := [i for i, action in enumerate(demo.actions) if action.failed]:
+        doc["failed"] = failed
     if (demo.values == Label.UNKNOWN).any():
         doc["unknown"] = rows(Label.UNKNOWN)
     if demo.confidence is not None:
