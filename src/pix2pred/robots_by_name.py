@@ -18,8 +18,8 @@ from pix2pred.system.extras import optional
 
 if TYPE_CHECKING:
     from pix2pred.robots.simulator.server import SpotServer
-    from pix2pred.robots.spot.check import Finding
-    from pix2pred.robots.spot.mapping import Enough, Mapped
+    from pix2pred.robots.spot.surveying.check import Finding
+    from pix2pred.robots.spot.surveying.mapping import Enough, Mapped
 
 _PROGRAMS = {
     "cleanup": "pix2pred.robots.spot.skills.cleanup:REPERTOIRE",

@@ -6,14 +6,14 @@ from pathlib import Path
 
 from pix2pred.robots.addresses import SpotAt
 from pix2pred.robots.robot import RobotMemory
-from pix2pred.robots.spot.check import Finding, check
 from pix2pred.robots.spot.credentials import credentials
 from pix2pred.robots.spot.finding import Outliner
-from pix2pred.robots.spot.mapping import Enough, Mapped, led, turning
 from pix2pred.robots.spot.robot import Hand, Spot
 from pix2pred.robots.spot.session import Address, Session
 from pix2pred.robots.spot.settings import SpotSettings
 from pix2pred.robots.spot.skills.repertoire import Repertoire
+from pix2pred.robots.spot.surveying.check import Finding, check
+from pix2pred.robots.spot.surveying.mapping import Enough, Mapped, led, turning
 from pix2pred.structs import Task, Vocabulary
 
 
