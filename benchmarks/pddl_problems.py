@@ -16,8 +16,8 @@ PROBLEMS = Path(__file__).parents[1] / "tests" / "data" / "pddl"
 
 
 def main() -> None:
-    for planner in ("gbfs-ff", "astar-lmcut"):
-        seconds, solved = 0.0, 0
+    for planner in ("gbfs-ff", "quick", "astar-lmcut"):
+        seconds, solved, steps = 0.0, 0, 0
         for path in sorted(PROBLEMS.glob("*.pddl")):
             text = path.read_text()
             named = re.search(r":domain ([\w-]+)", text)
@@ -29,8 +29,9 @@ def main() -> None:
                 domain.operators, task.objects, task.initial, task.goal
             )
             seconds += found.seconds
+            steps += len(found.plan)
             solved += bool(found.plan) and is_valid(found.plan, task.initial, task.goal)
-        print(f"{planner}: {solved} solved, {seconds:.2f} s")
+        print(f"{planner}: {solved} solved, {steps} steps, {seconds:.2f} s")
 
 
 if __name__ == "__main__":
