@@ -43,7 +43,7 @@ ENDS = {
     "battery-empty": {Outcome.BATTERY_EMPTY},
     "camera-timeout": {Outcome.CAMERA_SILENT},
     "grasp-miss:0.2": {Outcome.GOAL, Outcome.GAVE_UP},
-    "blocked:0.2": {Outcome.GOAL, Outcome.GAVE_UP},
+    "blocked:0.2": {Outcome.GOAL, Outcome.GAVE_UP, Outcome.BLOCKED},
     "drift:0.05": {Outcome.GOAL},
     "slow": {Outcome.GOAL},
 }
@@ -164,7 +164,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(Path(folder))
         for number in range(max(args.moments, args.kills)):
-            for rank, fault in enumerate(args.fault or [*ENDS, "killed"]):
+            for rank, fault in enumerate([*ENDS, "killed"]):
+                if args.fault and fault not in args.fault:
+                    continue
                 if number >= (args.kills if fault == "killed" else args.moments):
                     continue
                 if any((d["fault"], d["number"]) == (fault, number) for d in done):

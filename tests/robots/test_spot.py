@@ -13,6 +13,7 @@ import pytest
 from extras import need
 from pix2pred.structs import Action, Task, parse_application
 from pix2pred.structs.environment import Step, StepStatus
+from pix2pred.structs.space.poses import FloorPose
 
 pytestmark = [need("bosdyn.client", "pyapriltags", extra="spot"), need("mujoco", extra="sim")]
 
@@ -110,16 +111,21 @@ def test_a_missed_grasp_is_a_failed_skill_and_not_the_end(tmp_path: Path) -> Non
     assert step.status is StepStatus.STUCK and "grasp failed" in step.detail
 
 
-def test_a_blocked_way_is_a_failed_skill(tmp_path: Path) -> None:
+def test_a_blocked_way_is_a_failed_skill_and_one_home_has_a_name(tmp_path: Path) -> None:
+    from pix2pred.robots.robot import Outcome, RobotError
     from robots.simulated_spots import served, spot_for
 
     task = task_of("cleanup", "new-objects", 0)
     with served(tmp_path) as server, spot_for(server, "cleanup", task) as spot:
         spot.start()
         spot.go_home()
+        spot.limbs.walk(spot.limbs.odometry().floor * FloorPose(-0.5))
         server.spot.do(lambda: setattr(server.spot.body.around, "stands", lambda place: False))
         step = spot.execute(action("cleanup", task, "PickFromTop(robot, carton, desk)"))
+        with pytest.raises(RobotError) as raised:
+            spot.observe()
     assert step.status is StepStatus.STUCK
+    assert raised.value.outcome is Outcome.BLOCKED
 
 
 @pytest.mark.parametrize(

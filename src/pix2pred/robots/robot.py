@@ -30,6 +30,7 @@ class Outcome(StrEnum):
     BATTERY_EMPTY = "battery empty"
     CAMERA_SILENT = "camera silent"
     LOST = "does not know where it is"
+    BLOCKED = "does not get to where it looks from"
     CONNECTION_LOST = "connection lost"
 
 

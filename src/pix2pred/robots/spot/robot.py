@@ -22,6 +22,9 @@ from pix2pred.structs import Action, Image, Object, Picture, State, Vocabulary, 
 from pix2pred.structs.environment import Step, StepStatus
 from pix2pred.structs.space.poses import FloorPose, Pose
 
+WAYS_HOME = 3
+"""Times that the robot tries to get to where it looks from; people step aside in the meantime."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hand:
@@ -113,7 +116,13 @@ class Spot:
         self.limbs.hand([floor * LOOKING], "odom")
 
     def views(self) -> Sequence[View]:
-        self.go_home()
+        for left in reversed(range(WAYS_HOME)):
+            try:
+                self.go_home()
+                break
+            except FailedError as error:
+                if not left:
+                    raise RobotError(Outcome.BLOCKED, f"it does not get home: {error}; clear the way") from error
         shots = self.eyes.shots(CAMERAS)
         views = []
         for source in CAMERAS:
