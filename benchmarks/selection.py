@@ -2,6 +2,7 @@
 
     python benchmarks/selection.py ratio                 # both engines on the same workloads, in one process
     python benchmarks/selection.py large                 # 1,000 candidates x 100 demonstrations, 2 % of labels flipped
+    python benchmarks/selection.py several --candidates 98 --flips 0 0.02 0.05 --operators robust   # 18 workloads
     python benchmarks/selection.py growth --out runs/selection   # cost per demonstration and per distinct column
 
 Seconds are CPU seconds of this process. ``large`` prints the peak memory as well.
@@ -15,6 +16,7 @@ import resource
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 from burger_pool import NEEDED, Workload, workload, wrong_labels
@@ -57,6 +59,19 @@ def ratio(arguments: argparse.Namespace) -> None:
             cells = [family, f"{flip:.0%}", f"{tree.seconds:.1f}", f"{ours.seconds:.2f}"]
             cells += [f"{tree.seconds / ours.seconds:.0f}", "yes" if same else "no", *(f"{j:.0f}" for j in js)]
             print(f"| {' | '.join(cells)} |", flush=True)
+
+
+def several(arguments: argparse.Namespace) -> None:
+    """Two draws of every family at every rate of wrong labels: seconds, and how often the choice is right."""
+    for operators in arguments.operators:
+        seconds, right = [], 0
+        for family, seed in product(arguments.families, (arguments.seed, arguments.seed + 1)):
+            source = workload(family, arguments.candidates, arguments.demos, seed=seed)
+            for flip in arguments.flips:
+                found = measure(wrong_labels(source.table, flip, seed), settings(family, operators=operators))
+                seconds.append(found.seconds)
+                right += source.right(found.selection.selected)
+        print(f"{operators}: {right} of {len(seconds)} right, {sum(seconds):.1f} CPU s, the slowest {max(seconds):.2f}")
 
 
 def large(arguments: argparse.Namespace) -> None:
@@ -113,7 +128,7 @@ def plot(rows: Sequence[dict[str, object]], path: Path) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("ratio", "large", "growth"))
+    parser.add_argument("what", choices=("ratio", "large", "several", "growth"))
     parser.add_argument("--families", nargs="+", default=list(NEEDED), choices=list(NEEDED))
     parser.add_argument("--flips", nargs="+", type=float, default=[0.0, 0.02])
     parser.add_argument("--candidates", type=int, default=45)
@@ -123,7 +138,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("runs/selection"))
     arguments = parser.parse_args()
-    {"ratio": ratio, "large": large, "growth": growth}[arguments.what](arguments)
+    {"ratio": ratio, "large": large, "several": several, "growth": growth}[arguments.what](arguments)
 
 
 if __name__ == "__main__":
