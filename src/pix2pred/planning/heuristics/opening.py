@@ -11,7 +11,7 @@ Way = tuple[int, int, int]
 SCANNED = 6
 """Layers in which all ways that wait are looked at. In later ones they are looked at when a fact is reached that they
 lack, which costs more for each way, and nothing for layers that add little: tasks of a thousand layers have few ways in
-each. Measured on tasks of 3 to 8 layers."""
+each. Chosen by judgement: no other number was tried."""
 
 
 class Opening:
