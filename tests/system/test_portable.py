@@ -10,7 +10,7 @@ BLOCKED = ("fcntl", "resource", "termios", "tty", "pty", "pwd", "grp", "posix", 
 IMPORT_ALL = f"""
 import builtins, importlib, pkgutil, sys
 BLOCKED = {BLOCKED!r}
-EXTRAS = ('bosdyn', 'cryptography', 'google', 'grpc', 'gymnasium', 'jwt', 'mujoco')
+EXTRAS = ('bosdyn', 'cryptography', 'google', 'grpc', 'gymnasium', 'jwt', 'mujoco', 'unified_planning')
 original = builtins.__import__
 
 def blocking(name, globals=None, locals=None, fromlist=(), level=0):

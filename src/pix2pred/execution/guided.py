@@ -40,18 +40,20 @@ class Look:
 class Guided:
     """One task, executed step by step by somebody else. ``step`` is the next one; None when it is over.
 
-    ``ended`` is empty while there is a step, and when the goal seems to hold; else it says why there is none.
+    ``ended`` is empty while there is a step, and when the goal seems to hold; else it says why there is none. With
+    ``may_assume`` a plan that rests on what is probably not so is tried when there is no other.
     """
 
-    def __init__(self, scene: PlannedScene) -> None:
+    def __init__(self, scene: PlannedScene, *, may_assume: bool = False) -> None:
         self.scene = scene
         self.seen = scene.seen
         self.looks: list[Look] = []
         self.step: GroundOperator | None = None
         self.ended = ""
         self._pursuit = Pursuit(
-            lambda seen: scene.solver.plan_from(scene.task, seen), scene.task.goal, scene.result.plan, scene.perception
-        )
+            lambda seen: scene.solver.plan_from(scene.task, seen), scene.task.goal, scene.result.plan, scene.perception,
+            may_assume=may_assume,
+        )  # fmt: skip
         if scene.solved:
             self._advance()
         else:

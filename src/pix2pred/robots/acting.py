@@ -126,7 +126,7 @@ def _work(
     if not watcher.planned(scene):
         run.outcome, run.detail = Outcome.DECLINED, "the robot has looked around, and no skill was run"
         return
-    guided = Guided(scene)
+    guided = Guided(scene, may_assume=True)  # the watcher may stop before every skill
     while guided.step is not None and len(run.skills) < MOST_SKILLS:
         if not watcher.about_to(guided):
             run.outcome, run.detail = Outcome.STOPPED, "stopped before the next skill"
