@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from extras import need
@@ -46,18 +49,18 @@ def test_a_problem_without_a_plan_says_so() -> None:
     assert result.plan is None and result.status.name == "UNSOLVABLE_PROVEN"
 
 
-def test_a_model_learned_from_pictures_is_planned_for_there() -> None:
-    """The way from unified-planning and back, on a published domain: the plan is as long as ours."""
+def test_the_lines_of_the_page_plan_for_a_problem_that_was_read_there() -> None:
     from unified_planning.io import PDDLReader
-    from unified_planning.shortcuts import OneshotPlanner, get_environment
-
-    import pix2pred.unified_planning_engine  # noqa: F401
+    from unified_planning.shortcuts import get_environment
 
     get_environment().credits_stream = None
     domain = "(define (domain d) (:requirements :strips :typing) (:types thing) (:predicates (on ?x - thing))"
     domain += " (:action turn-on :parameters (?x - thing) :precondition (not (on ?x)) :effect (on ?x)))"
     problem = "(define (problem p) (:domain d) (:objects a b - thing) (:init) (:goal (and (on a) (on b))))"
-    made = PDDLReader().parse_problem_string(domain, problem)
-    with OneshotPlanner(name="pix2pred") as planner:
-        steps = planner.solve(made).plan.actions
-    assert [str(s) for s in steps] == ["turn-on(a)", "turn-on(b)"]
+    page = (Path(__file__).parents[2] / "docs/planning.md").read_text(encoding="utf-8")
+    (lines,) = [
+        b for b in re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE) if "OneshotPlanner" in b
+    ]
+    names = {"problem": PDDLReader().parse_problem_string(domain, problem)}
+    exec(lines, names)
+    assert [str(s) for s in names["result"].plan.actions] == ["turn-on(a)", "turn-on(b)"]
