@@ -52,7 +52,7 @@ newest:
 
 docs: $(VENV)/docs.stamp
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
-	@echo 'open build/site/index.html'
+	@echo 'open build/site/index.html (with its search: $(BIN)/python -m http.server --directory build/site --bind 127.0.0.1)'
 
 WHEEL := .venv-wheel
 wheel: $(VENV)/dev.stamp
