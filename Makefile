@@ -3,7 +3,8 @@
 # make test-all   install every extra and run the tests that need one; none may be skipped
 # make bench-smoke   a cut of the published comparison, as a table (make test-all runs it too)
 # make docs       build the documentation as a site into build/site; warnings are errors
-# make wheel      build wheel and sdist into dist/, install the wheel alone into a new environment, run the demos there, then a simulator
+# make wheel      build wheel and sdist into dist/, install the wheel alone into a new environment, run the demos there
+# make wheel-extra   the same, then the wheel with an extra: a simulator draws
 # make licences   the same, and the licence of everything the core needs; fails on the GPL
 # make newest     the same tests with the newest versions of every dependency, in an environment of its own
 # Every target sets up .venv by itself, with the versions in constraints.txt. PYTHON=python3.12 make demo   uses another interpreter.
@@ -15,7 +16,7 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(if $(CONSTRAINTS),-c $(CONSTRAINTS))
 TORCH ?= torch==2.13.0
 
-.PHONY: demo test test-all newest docs wheel licences bench-smoke check clean
+.PHONY: demo test test-all newest docs wheel wheel-extra licences bench-smoke check clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/run.stamp: pyproject.toml $(CONSTRAINTS)
@@ -63,6 +64,8 @@ wheel: $(VENV)/dev.stamp
 	$(WHEEL)/bin/python -m pip check
 	cd dist && ../$(WHEEL)/bin/pix2pred demo --count 2 --out demo
 	cd dist && ../$(WHEEL)/bin/pix2pred demo --recorded --count 2 --out demo
+
+wheel-extra: wheel
 	$(WHEEL)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt "$$(ls dist/*.whl)[sim]"
 	cd dist && rm -rf kitchen && ../$(WHEEL)/bin/pix2pred generate kitchen --out kitchen
 
