@@ -107,6 +107,21 @@ def test_actions_and_parameters_are_called_after_what_they_do() -> None:
     assert "(:action put-patty-grill-free\n  :parameters (?robot - robot ?patty - patty ?grill - grill ?patty-2" in text
 
 
+def test_an_effect_that_is_called_like_a_number_gives_no_action_the_name_of_another() -> None:
+    thing = Type("thing")
+    x = Variable("?x0", thing)
+    act = Skill("Act", (thing,))
+    on, second = (LiftedAtom(Predicate(n, (thing,), FromDomain()), (x,)) for n in ("on", "v2"))
+    added = (frozenset({on, second}), frozenset({on}), frozenset({on}))
+    operators = tuple(Operator(f"op{i}", (x,), frozenset(), add, frozenset(), act, (x,)) for i, add in enumerate(added))
+    model = WorldModel(Vocabulary("d", (thing,), (act,), ()), (on.predicate, second.predicate), operators, "oracle")
+    assert [op.name for op in read_domain(write_domain(model)).operators] == [
+        "act-thing-v2",
+        "act-thing",
+        "act-thing-v3",
+    ]
+
+
 @need("unified_planning", extra="planners")
 def test_unified_planning_reads_exports() -> None:
     from unified_planning.io import PDDLReader

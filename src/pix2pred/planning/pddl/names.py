@@ -63,9 +63,11 @@ def described(model: WorldModel) -> WorldModel:
     }
     names: list[str] = []
     for op in model.operators:
-        name = _legal("-".join((firsts[op], *sorted(effects[op] - shared[firsts[op]]))))
-        taken = sum(n == name or n.startswith(f"{name}-v") for n in names)
-        names.append(f"{name}-v{taken + 1}" if taken else name)
+        base = name = _legal("-".join((firsts[op], *sorted(effects[op] - shared[firsts[op]]))))
+        number = 2
+        while name in names:
+            name, number = f"{base}-v{number}", number + 1
+        names.append(name)
     operators = tuple(_with_names(op, name) for op, name in zip(model.operators, names, strict=True))
     return replace(model, operators=operators)
 

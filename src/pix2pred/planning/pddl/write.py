@@ -1,7 +1,7 @@
 """World models and tasks as typed STRIPS PDDL, with a reversible table of names.
 
 PDDL ignores case and allows few characters, so names are rewritten; the table stands in comments (``;@ name``), as do
-the skills behind the actions (``;@ skill``), and ``pddl_read`` gives the original names back.
+the skills behind the actions (``;@ skill``). Reading a file gives the original names of everything but actions back.
 """
 
 from __future__ import annotations
