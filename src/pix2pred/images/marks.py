@@ -81,7 +81,7 @@ class _Placing:
                 if names > least[0]:
                     continue
                 mark = Mark(self.name, spot, self._line(spot, end))
-                cost = (names, self._cost(mark))
+                cost = (names, self._cost(mark, least[1] if names == least[0] else math.inf))
                 if cost < least:
                     best, least = mark, cost
                 if cost == (0, 0):
@@ -104,13 +104,18 @@ class _Placing:
             return None
         return (min(max(end[0], spot.left), spot.right), min(max(end[1], spot.top), spot.bottom)), end
 
-    def _cost(self, mark: Mark) -> float:
-        """What the name hides, in pixels, and what its line crosses."""
+    def _cost(self, mark: Mark, limit: float) -> float:
+        """What the name hides, in pixels, and what its line crosses.
+
+        A place that costs ``limit`` is not taken: its cost is not told to the end, and may be any larger number.
+        """
         spot, own = mark.spot, _distance(mark.spot, self.box)
         cost = sum(_overlap(spot, o) + _MISTAKEN * (_distance(spot, o) < own) for o in self.others)
         cost += _OWN_OBJECT * _overlap(spot, self.box) / max(1.0, self.box.width * self.box.height)
+        if cost >= limit:
+            return math.inf
         cost += sum(_CROSSED_NAME for m in self.placed if m.line and _crosses(m.line, spot))
-        if mark.line:
+        if mark.line and cost < limit:
             start, end = mark.line
             cost += math.dist(start, end)
             cost += sum(_CROSSED_NAME for m in self.placed if _crosses(mark.line, m.spot))
@@ -184,6 +189,8 @@ def _distance(spot: Box, box: Box) -> float:
 def _crosses(line: tuple[Point, Point], box: Box) -> bool:
     """Whether a line passes through a box: the part of it that lies within both pairs of edges is not empty."""
     (x0, y0), (x1, y1) = line
+    if max(x0, x1) <= box.left or box.right <= min(x0, x1) or max(y0, y1) <= box.top or box.bottom <= min(y0, y1):
+        return False  # nearly always
     first, last = 0.0, 1.0
     for start, way, low, high in ((x0, x1 - x0, box.left, box.right), (y0, y1 - y0, box.top, box.bottom)):
         if way == 0:
