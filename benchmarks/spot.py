@@ -32,7 +32,7 @@ from pix2pred.robots.simulator.spot import SimulatedSpot
 from pix2pred.robots.spot.credentials import Credentials
 from pix2pred.robots.spot.finding import ByBridge
 from pix2pred.robots.spot.robot import Hand, Spot
-from pix2pred.robots.spot.session import Address, Session
+from pix2pred.robots.spot.session import Address, SpotSession
 from pix2pred.robots.spot.settings import Deadlines, SpotSettings
 from pix2pred.robots.spot.skills import cleanup, juice
 from pix2pred.runs.folder import RunFolder
@@ -56,7 +56,7 @@ def cell(domain: HomeDomain, solver: Solver, family: str, index: int, faults: li
         server = SpotServer(simulated, Path(folder) / "robot.pem", Login("user", "benchmark"))
         try:
             address = Address("127.0.0.1", server.port, str(server.certificate))
-            session = Session(address, Credentials("user", "benchmark"), PATIENT)
+            session = SpotSession(address, Credentials("user", "benchmark"), PATIENT)
             outlines = ByBridge(session, "simulated-segmentation")
             hand = Hand(REPERTOIRES[domain.name], solver.model.vocabulary)
             robot = Spot("spot", session, outlines, task.task.objects, hand, RobotMemory(Path(folder) / "map.json"))

@@ -26,7 +26,7 @@ import numpy as np
 
 from pix2pred.demos import write_task
 from pix2pred.robots.robot import Outcome
-from pix2pred.robots.simulator.body import Body
+from pix2pred.robots.simulator.body import SimulatedBody
 from pix2pred.robots.simulator.server import SpotServer
 from pix2pred.robots.simulator.settings import Traits
 from pix2pred.structs.environment import SimulatedTask
@@ -78,7 +78,7 @@ class Bench:
             return f"{type(error).__name__}: {error}", ""
         return str(done.outcome), done.detail
 
-    def reached(self, body: Body) -> bool:
+    def reached(self, body: SimulatedBody) -> bool:
         """Whether the goal holds in truth."""
         world = body.around.world  # type: ignore[attr-defined]  # the judge looks behind the robot
         return all(self.domain.rules.holds(world, atom) for atom in self.made.task.goal)

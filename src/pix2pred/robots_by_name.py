@@ -18,7 +18,7 @@ from pix2pred.system.extras import optional
 
 if TYPE_CHECKING:
     from pix2pred.robots.simulator.server import SpotServer
-    from pix2pred.robots.spot.surveying.check import Finding
+    from pix2pred.robots.spot.surveying.check import CheckedPart
     from pix2pred.robots.spot.surveying.mapping import Enough, Mapped
 
 _PROGRAMS = {
@@ -71,7 +71,7 @@ def spot(
     return making.spot(session, outliner(session, rest, solver.labeller.vlm), programs, task, words, memory)
 
 
-def checked_spot(at: SpotAt, certificate: Path | None) -> Sequence[Finding]:
+def checked_spot(at: SpotAt, certificate: Path | None) -> Sequence[CheckedPart]:
     """What a person needs to know before the Spot at ``at`` moves."""
     optional("bosdyn.client", "spot")
     from pix2pred.robots.spot import making

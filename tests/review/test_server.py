@@ -17,7 +17,7 @@ from lamps_run import learn_lamps
 from pix2pred.predicates import CORRECTIONS
 from pix2pred.review import ReviewServer
 from pix2pred.review.loopback import LoopbackServer
-from pix2pred.review.session import Session
+from pix2pred.review.session import ReviewSession
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.learn import LearnedRun
 
@@ -176,7 +176,7 @@ def test_learning_that_fails_in_any_way_says_so(tmp_path: Path) -> None:
         raise KeyError("lost")
 
     run = learn_lamps(tmp_path)
-    with serving(ReviewServer(run, session=Session(run, broken))) as server:
+    with serving(ReviewServer(run, session=ReviewSession(run, broken))) as server:
         ask(server, f"/{server.token}/learn", {})
         assert wait(server) == {"running": "", "error": "'lost'", "version": 0}
 

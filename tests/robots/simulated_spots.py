@@ -17,7 +17,7 @@ from pix2pred.robots.simulator.spot import SimulatedSpot
 from pix2pred.robots.spot.credentials import Credentials
 from pix2pred.robots.spot.finding import ByBridge
 from pix2pred.robots.spot.robot import Hand, Spot
-from pix2pred.robots.spot.session import Address, Session
+from pix2pred.robots.spot.session import Address, SpotSession
 from pix2pred.robots.spot.settings import Deadlines, SpotSettings
 from pix2pred.robots.spot.skills import cleanup, juice
 from pix2pred.structs import Task
@@ -45,10 +45,10 @@ def served(
         server.close()
 
 
-def session_with(server: SpotServer, settings: SpotSettings | None = None, password: str = PASSWORD) -> Session:
+def session_with(server: SpotServer, settings: SpotSettings | None = None, password: str = PASSWORD) -> SpotSession:
     address = Address("127.0.0.1", server.port, str(server.certificate))
     usual = SpotSettings(deadlines=PATIENT, poll=0.01, estop_timeout=90.0)
-    return Session(address, Credentials("user", password), settings or usual)
+    return SpotSession(address, Credentials("user", password), settings or usual)
 
 
 def spot_for(

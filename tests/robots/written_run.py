@@ -23,7 +23,7 @@ from pix2pred.domains.cleanup.vocabulary import (
     WIPED,
 )
 from pix2pred.registry import REGISTRY
-from pix2pred.robots.acting import Run, Unwatched
+from pix2pred.robots.acting import TaskRun, Unwatched
 from pix2pred.robots.simulator.server import SpotServer
 from pix2pred.robots.spot.settings import SpotSettings
 from pix2pred.runs.folder import RunFolder
@@ -70,7 +70,7 @@ def write_run(folder: Path) -> Path:
     return folder
 
 
-def work(server: SpotServer, folder: Path, task: Task, answer: float = PATIENT.answer) -> Run:
+def work(server: SpotServer, folder: Path, task: Task, answer: float = PATIENT.answer) -> TaskRun:
     """Work on ``task`` with the run in ``folder``, or go on with it; an answer is waited for so many seconds."""
     settings = SpotSettings(deadlines=replace(PATIENT, answer=answer), poll=0.02, estop_timeout=90.0)
     with RunFolder(folder).locked() as locked:

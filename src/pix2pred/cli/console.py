@@ -55,7 +55,7 @@ def _pictured(match: re.Match[str]) -> str:
     return chr(0x2400 + code) if code < 0x20 else "\u2421" if code == 0x7F else f"\\u{code:04x}"
 
 
-class Bars:
+class ProgressBars:
     """Implements ``Progress``: bars, one per stage, in the order in which stages begin."""
 
     def __init__(self, progress: Progress) -> None:
@@ -69,7 +69,7 @@ class Bars:
 
 
 @contextmanager
-def bars() -> Iterator[Bars]:
+def bars() -> Iterator[ProgressBars]:
     """Show progress bars on stderr while the block runs."""
     columns = (
         TextColumn("{task.description:<24}"),
@@ -79,7 +79,7 @@ def bars() -> Iterator[Bars]:
         TextColumn("[dim]{task.fields[note]}"),
     )
     with Progress(*columns, console=err) as progress:
-        yield Bars(progress)
+        yield ProgressBars(progress)
 
 
 def print_json(data: Mapping[str, Any]) -> None:

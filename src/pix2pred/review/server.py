@@ -9,15 +9,15 @@ from pix2pred.predicates import CorrectionsError
 from pix2pred.report import load_contents, render
 from pix2pred.review.log import StaleError
 from pix2pred.review.loopback import LoopbackHandler, LoopbackServer
-from pix2pred.review.session import Session
+from pix2pred.review.session import ReviewSession
 from pix2pred.runs.folder import RunFolder
 
 
 class ReviewServer(LoopbackServer):
     """Serves one run. ``port`` 0 takes a free one."""
 
-    def __init__(self, run: RunFolder, port: int = 0, session: Session | None = None) -> None:
-        self.session = session or Session(run)
+    def __init__(self, run: RunFolder, port: int = 0, session: ReviewSession | None = None) -> None:
+        self.session = session or ReviewSession(run)
         super().__init__(_Handler, port)
 
 

@@ -26,7 +26,7 @@ LearnAgain = Callable[[RunFolder, Progress], LearnedRun]
 """What the page's button does to a run."""
 
 
-class Session:
+class ReviewSession:
     """The corrections and the learning of one run; methods may be called from any thread."""
 
     def __init__(self, run: RunFolder, learn_again: LearnAgain = relearn) -> None:

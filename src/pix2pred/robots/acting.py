@@ -62,7 +62,7 @@ class RanSkill:
 
 
 @dataclass(slots=True)
-class Run:
+class TaskRun:
     """How the work on a task went."""
 
     task: str
@@ -92,13 +92,13 @@ MOST_SKILLS = 60
 
 
 def act(
-    robot: Robot, task: Task, solver: Solver, watcher: Watcher, remember: Callable[[Run], None] = lambda run: None
-) -> Run:
+    robot: Robot, task: Task, solver: Solver, watcher: Watcher, remember: Callable[[TaskRun], None] = lambda run: None
+) -> TaskRun:
     """Work on ``task``, whose initial state is what the robot sees first; gives how it went, and never raises for it.
 
     ``robot`` is entered here and left in every case. ``remember`` is told before and after every skill.
     """
-    run = Run(task.name)
+    run = TaskRun(task.name)
     try:
         with robot:
             _work(robot, task, solver, watcher, run, remember)
@@ -111,7 +111,7 @@ def act(
 
 
 def _work(
-    robot: Robot, task: Task, solver: Solver, watcher: Watcher, run: Run, remember: Callable[[Run], None]
+    robot: Robot, task: Task, solver: Solver, watcher: Watcher, run: TaskRun, remember: Callable[[TaskRun], None]
 ) -> None:
     if not watcher.may_move(robot):
         run.outcome, run.detail = Outcome.DECLINED, "nothing was moved"

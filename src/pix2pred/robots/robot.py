@@ -55,7 +55,7 @@ class RobotMemory:
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class CameraView:
     """A picture, upright, and where its camera was (x right, y down, z forward) in the map; None when unknown."""
 
     picture: Picture
@@ -86,7 +86,7 @@ class Robot(Protocol):
         """The name of the object in the hand."""
         ...
 
-    def views(self) -> Sequence[View]:
+    def views(self) -> Sequence[CameraView]:
         """A look around from where the scene is seen best; only after ``start``. Raises ``RobotError``."""
         ...
 

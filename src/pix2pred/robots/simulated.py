@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Self
 
-from pix2pred.robots.robot import View
+from pix2pred.robots.robot import CameraView
 from pix2pred.structs import Action, State
 from pix2pred.structs.environment import Environment, Step
 
@@ -37,8 +37,8 @@ class SimulatedRobot:
         held = [a for a in self.observe().given if len(a.objects) == 2]
         return held[0].objects[1].name if held else None
 
-    def views(self) -> Sequence[View]:
-        return [View(picture, None) for picture in self.observe().pictures]
+    def views(self) -> Sequence[CameraView]:
+        return [CameraView(picture, None) for picture in self.observe().pictures]
 
     def observe(self) -> State:
         if self._fresh is None:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from pix2pred.demos import read_task
 from pix2pred.execution import Solver
-from pix2pred.robots.acting import Run, Watcher, act
+from pix2pred.robots.acting import TaskRun, Watcher, act
 from pix2pred.robots.addresses import SimulatedEpisode, SpotAt
 from pix2pred.robots.robot import Robot, RobotMemory
 from pix2pred.runs.folder import RunFolder, RunFolderError
@@ -63,10 +63,10 @@ class RobotSession:
             raise RunFolderError(f"{file}: the hand holds {held!r}, which is no object of the task")
         return RobotMemory(map_file or self.path / MAP, held, self._under_way)
 
-    def act(self, robot: Robot, solver: Solver, watcher: Watcher) -> Run:
+    def act(self, robot: Robot, solver: Solver, watcher: Watcher) -> TaskRun:
         """Work on the task; what happened is on disk before and after every skill."""
 
-        def remember(run: Run) -> None:
+        def remember(run: TaskRun) -> None:
             if run.skills or run.under_way:
                 self._under_way = run.under_way
             left = {"holding": robot.holding, "under_way": self._under_way}

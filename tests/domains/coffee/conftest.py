@@ -9,7 +9,7 @@ from pix2pred.domains.coffee.classifiers import AboveCup
 from pix2pred.domains.coffee.environment import CoffeeEnvironment
 from pix2pred.domains.coffee.simulation.geometry import HOME, TABLE_Z, Point
 from pix2pred.domains.coffee.vocabulary import GIVEN, SKILL_OF, make_object
-from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Jug, Robot
+from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Gripper, Jug
 from pix2pred.structs import Action
 from pix2pred.structs.environment import Step
 from pix2pred.system.extras import MissingExtraError
@@ -21,7 +21,7 @@ Run = Callable[..., Step]
 def kitchen_table() -> CoffeeWorld:
     """Two cups, one small and one large, and a jug that can be picked up."""
     cups = (Cup("cup0", 0.65, 1.15, 0.75), Cup("cup1", 0.85, 1.2, 1.25))
-    return CoffeeWorld(Robot(HOME), Jug(Point(0.65, 1.43, TABLE_Z)), cups, look=7)
+    return CoffeeWorld(Gripper(HOME), Jug(Point(0.65, 1.43, TABLE_Z)), cups, look=7)
 
 
 def act(environment: CoffeeEnvironment, skill: str, *names: str) -> Step:
@@ -47,7 +47,7 @@ def drawing() -> None:
     from pix2pred.domains.coffee.simulation.render import render_pixels
 
     try:
-        render_pixels(CoffeeWorld(Robot(HOME), Jug(Point(0.65, 1.43, TABLE_Z)), ()))
+        render_pixels(CoffeeWorld(Gripper(HOME), Jug(Point(0.65, 1.43, TABLE_Z)), ()))
     except MissingExtraError as error:
         if os.environ.get("PIX2PRED_NO_SKIPS") == "1":
             pytest.fail(str(error), pytrace=False)

@@ -13,7 +13,7 @@ import pytest
 from extras import need
 from pix2pred.domains.coffee.simulation.geometry import CLOSED, FULL_JUG, GRIP, POUR_TILT, Point
 from pix2pred.domains.coffee.simulation.render import render, render_pixels
-from pix2pred.domains.coffee.world import CoffeeWorld, Robot
+from pix2pred.domains.coffee.world import CoffeeWorld, Gripper
 from pix2pred.structs import Box, Picture
 
 pytestmark = [need("mujoco", extra="sim"), pytest.mark.usefixtures("drawing")]
@@ -79,7 +79,7 @@ def test_the_coffee_that_flows_belongs_to_no_object(kitchen_table: CoffeeWorld) 
 
     at = spout_over(kitchen_table.cup("cup1"), 0.045)
     jug = replace(kitchen_table.jug, held=True, at=at - GRIP, level=3.0)
-    pouring = replace(kitchen_table, robot=Robot(at, POUR_TILT, 0.0, CLOSED), jug=jug)
+    pouring = replace(kitchen_table, robot=Gripper(at, POUR_TILT, 0.0, CLOSED), jug=jug)
     dry = replace(pouring, jug=replace(jug, level=0.0))
     assert render(pouring).boxes == render(dry).boxes
     assert (render_pixels(pouring) != render_pixels(dry)).any()
@@ -88,7 +88,7 @@ def test_the_coffee_that_flows_belongs_to_no_object(kitchen_table: CoffeeWorld) 
 def test_a_picture_does_not_depend_on_what_was_drawn_before(kitchen_table: CoffeeWorld) -> None:
     first = render(kitchen_table)
     render(replace(kitchen_table, look=99, cups=kitchen_table.cups[:1], machine_on=True))
-    render(replace(kitchen_table, robot=Robot(Point(0.6, 1.2, 0.4), 1.0, 1.0, 0.03)))
+    render(replace(kitchen_table, robot=Gripper(Point(0.6, 1.2, 0.4), 1.0, 1.0, 0.03)))
     again = render(kitchen_table)
     assert first == again
 

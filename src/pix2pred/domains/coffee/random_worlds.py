@@ -26,7 +26,7 @@ from pix2pred.domains.coffee.simulation.geometry import (
     POUR_TILT,
     Point,
 )
-from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Robot
+from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Gripper
 from pix2pred.domains.seeds import Split, scene_generator
 
 MOST_CUPS = 6
@@ -76,15 +76,15 @@ def _perturbed(world: CoffeeWorld, rng: np.random.Generator) -> CoffeeWorld:
     if world.jug.held:
         at = Point(float(rng.uniform(0.42, 0.8)), float(rng.uniform(1.1, 1.5)), float(rng.uniform(0.36, 0.5)))
         tilt = POUR_TILT if rng.random() < 0.5 else 0.0
-        return replace(world, robot=Robot(at, tilt, 0.0, CLOSED), jug=replace(world.jug, at=at - GRIP))
+        return replace(world, robot=Gripper(at, tilt, 0.0, CLOSED), jug=replace(world.jug, at=at - GRIP))
     if not world.jug_in_machine:
         place = random_place(JUG_AREA, rng)
         world = replace(world, jug=replace(world.jug, at=place, rot=random_rotation(bool(rng.random() < 0.5), rng)))
     jug = world.jug.at
     robots = (
-        Robot(somewhere),
-        Robot(jug + GRIP + Point(float(rng.uniform(-0.12, -0.06)), 0, float(rng.uniform(0, 0.05)))),
-        Robot(jug + Point(0, 0, JUG_HEIGHT + float(rng.uniform(0.02, 0.12))), tilt=1.57, fingers=OPEN),
+        Gripper(somewhere),
+        Gripper(jug + GRIP + Point(float(rng.uniform(-0.12, -0.06)), 0, float(rng.uniform(0, 0.05)))),
+        Gripper(jug + Point(0, 0, JUG_HEIGHT + float(rng.uniform(0.02, 0.12))), tilt=1.57, fingers=OPEN),
     )
     return replace(world, robot=robots[int(rng.integers(2 if world.jug_in_machine else 3))])
 

@@ -20,7 +20,7 @@ TARGET_SHARE = 0.75
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
+class Gripper:
     """The gripper: the point between its finger tips, its angles, and how far it is open (metres)."""
 
     at: Point
@@ -69,7 +69,7 @@ class Cup:
 class CoffeeWorld:
     """Everything the simulator knows. ``cups`` are sorted by name; ``look`` seeds how the scene is drawn."""
 
-    robot: Robot
+    robot: Gripper
     jug: Jug
     cups: tuple[Cup, ...]
     machine_on: bool = False
@@ -146,7 +146,7 @@ class CoffeeWorld:
         try:
             robot, jug = data["robot"], data["jug"]
             world = cls(
-                Robot(Point(*map(float, robot["at"])), *(float(robot[k]) for k in ("tilt", "wrist", "fingers"))),
+                Gripper(Point(*map(float, robot["at"])), *(float(robot[k]) for k in ("tilt", "wrist", "fingers"))),
                 Jug(Point(*map(float, jug["at"])), float(jug["rot"]), bool(jug["held"]), float(jug["level"])),
                 tuple(
                     Cup(str(c["name"]), *(float(c[k]) for k in ("x", "y", "capacity", "current"))) for c in data["cups"]

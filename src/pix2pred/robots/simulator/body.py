@@ -27,7 +27,7 @@ FORGOTTEN = 200
 """Commands whose end is remembered."""
 
 
-class Body:
+class SimulatedBody:
     """State and motions. Everything here happens in one thread, after ``advance``."""
 
     def __init__(

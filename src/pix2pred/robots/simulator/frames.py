@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from pix2pred.robots.simulator.body import Body
+from pix2pred.robots.simulator.body import SimulatedBody
 from pix2pred.robots.simulator.messages import FEET, FLAT_BODY, HAND, ODOM, VISION
 from pix2pred.robots.simulator.settings import BODY_FROM_PLACE
 from pix2pred.structs.space.poses import FloorPose, Pose
 from pix2pred.structs.space.surroundings import CameraMount
 
 
-def known(body: Body) -> dict[str, Pose]:
+def known(body: SimulatedBody) -> dict[str, Pose]:
     """The frames seen from the body."""
     odom = body.odom_from_body.inverse
     feet = Pose.on_floor(FloorPose(), -float(BODY_FROM_PLACE.at[2]))
@@ -21,13 +21,13 @@ def sensor(camera: CameraMount) -> str:
     return f"{camera.name}_image_sensor" if camera.in_hand else camera.name
 
 
-def with_sensor(body: Body, camera: CameraMount) -> dict[str, Pose]:
+def with_sensor(body: SimulatedBody, camera: CameraMount) -> dict[str, Pose]:
     """The frames, with that of a camera."""
     frames = known(body)
     frames[sensor(camera)] = (frames[HAND] if camera.in_hand else BODY_FROM_PLACE.inverse) * camera.pose
     return frames
 
 
-def from_body(body: Body, name: str) -> Pose | None:
+def from_body(body: SimulatedBody, name: str) -> Pose | None:
     """A frame seen from the body; None for one that the robot does not know."""
     return Pose() if name == "body" else known(body).get(name)

@@ -7,7 +7,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from pix2pred.robots.simulator.body import Body, facing_down
+from pix2pred.robots.simulator.body import SimulatedBody, facing_down
 from pix2pred.robots.simulator.faults import FaultKind
 from pix2pred.robots.simulator.motion import End, Reach
 from pix2pred.robots.simulator.settings import APPROACH
@@ -54,7 +54,7 @@ class Grasp:
 class Grasping:
     """The grasps that were commanded, carried on by ``advance``."""
 
-    def __init__(self, body: Body) -> None:
+    def __init__(self, body: SimulatedBody) -> None:
         self._body = body
         self.grasps: dict[int, Grasp] = {}
         self._current: Grasp | None = None

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-from pix2pred.robots.simulator.body import Body
+from pix2pred.robots.simulator.body import SimulatedBody
 from pix2pred.robots.simulator.faults import Fault, FaultKind, Faults
 from pix2pred.robots.simulator.grasping import Grasping
 from pix2pred.robots.simulator.settings import Traits
@@ -39,8 +39,8 @@ class SimulatedSpot:
         self._thread = ThreadPoolExecutor(1, "world")
         self._ending = threading.Event()
 
-        def build() -> tuple[Body, Grasping]:
-            body = Body(make(), traits, self.faults, seed, now)
+        def build() -> tuple[SimulatedBody, Grasping]:
+            body = SimulatedBody(make(), traits, self.faults, seed, now)
             return body, Grasping(body)
 
         self.body, self.grasping = self._thread.submit(build).result()

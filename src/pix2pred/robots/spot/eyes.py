@@ -20,7 +20,7 @@ from pix2pred.robots.localising.tags import Lens
 from pix2pred.robots.robot import Outcome, RobotError
 from pix2pred.robots.spot.frames import BODY, ODOM, seen_from
 from pix2pred.robots.spot.link import named
-from pix2pred.robots.spot.session import Session
+from pix2pred.robots.spot.session import SpotSession
 from pix2pred.robots.spot.settings import HAND_CAMERA
 from pix2pred.structs import Pixels
 from pix2pred.structs.space.poses import Array, Pose
@@ -32,7 +32,7 @@ _RGB, _GREY = image_pb2.Image.PIXEL_FORMAT_RGB_U8, image_pb2.Image.PIXEL_FORMAT_
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shot:
+class CameraShot:
     """A picture as the camera is mounted. ``camera`` is seen from the body, ``body`` from the odometry's frame."""
 
     source: str
@@ -75,10 +75,10 @@ def roll_of(axes: Array) -> int:
 class Eyes:
     """Asks for pictures. Raises ``RobotError`` when a camera stays silent."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: SpotSession) -> None:
         self._session = session
 
-    def shots(self, sources: Sequence[str], *, grey: bool = False) -> Mapping[str, Shot]:
+    def shots(self, sources: Sequence[str], *, grey: bool = False) -> Mapping[str, CameraShot]:
         """One picture of each source, taken at the same time."""
         wanted = [
             build_image_request(
@@ -105,11 +105,11 @@ class Eyes:
         )
 
 
-def _shot(response: Any) -> Shot:
+def _shot(response: Any) -> CameraShot:
     image, shot = response.shot.image, response.shot
     lens = response.source.pinhole.intrinsics
     tree = shot.transforms_snapshot
-    return Shot(
+    return CameraShot(
         response.source.name,
         _decoded(image),
         Lens((lens.focal_length.x, lens.focal_length.y), (lens.principal_point.x, lens.principal_point.y)),

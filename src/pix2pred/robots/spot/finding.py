@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from pix2pred.images.upright import upright_numbers
 from pix2pred.robots.detecting.detector import Detector, Mask, Segmenter, best_boxes, whole_box
 from pix2pred.robots.robot import Outcome, RobotError
-from pix2pred.robots.spot.eyes import Shot
+from pix2pred.robots.spot.eyes import CameraShot
 from pix2pred.robots.spot.link import named
-from pix2pred.robots.spot.session import Session
+from pix2pred.robots.spot.session import SpotSession
 from pix2pred.structs import Box, Image, Object
 from pix2pred.structs.space.poses import Array, Pose
 
@@ -37,7 +37,7 @@ class Outlines:
 class Outliner(Protocol):
     """Finds the objects of a task in a picture."""
 
-    def find(self, shot: Shot, objects: Sequence[Object]) -> Outlines:
+    def find(self, shot: CameraShot, objects: Sequence[Object]) -> Outlines:
         """Boxes and pixels, as far as they are seen."""
         ...
 
@@ -48,7 +48,7 @@ class ByWords:
     def __init__(self, detector: Detector, segmenter: Segmenter | None = None) -> None:
         self._detector, self._segmenter = detector, segmenter
 
-    def find(self, shot: Shot, objects: Sequence[Object]) -> Outlines:
+    def find(self, shot: CameraShot, objects: Sequence[Object]) -> Outlines:
         picture = Image.from_pixels(shot.upright())
         descriptors = {o.name: o.descriptor for o in objects}
         found = [d for words in sorted(set(descriptors.values())) for d in self._detector.detect(picture, [words])]
@@ -67,10 +67,10 @@ class ByBridge:
     Its answer holds a picture in which every pixel has the identifier of the object seen there.
     """
 
-    def __init__(self, session: Session, model: str, picture: str = "objects") -> None:
+    def __init__(self, session: SpotSession, model: str, picture: str = "objects") -> None:
         self._session, self._model, self._picture = session, model, picture
 
-    def find(self, shot: Shot, objects: Sequence[Object]) -> Outlines:
+    def find(self, shot: CameraShot, objects: Sequence[Object]) -> Outlines:
         request = bridge.NetworkComputeRequest()
         request.input_data.image_source_and_service.image_source = shot.source
         request.input_data.model_name = self._model
@@ -102,7 +102,7 @@ class Found:
     """Points of an object in the map, and the pixel of a picture as taken where each was seen."""
 
     name: str
-    shot: Shot
+    shot: CameraShot
     points: Array
     pixels: Array
 
@@ -134,7 +134,7 @@ class Found:
 
 
 def points_of(
-    name: str, shot: Shot, depth: NDArray[Any], scale: float, mask: Mask, map_from_body: Pose
+    name: str, shot: CameraShot, depth: NDArray[Any], scale: float, mask: Mask, map_from_body: Pose
 ) -> Found | None:
     """The points of an object, from the pixels of its outline that have a distance; None when there are none."""
     rows, columns = np.nonzero(mask)

@@ -10,10 +10,10 @@ from bosdyn.api import basic_command_pb2, geometry_pb2, manipulation_api_pb2
 from bosdyn.client.robot_command import RobotCommandBuilder
 
 from pix2pred.robots.robot import Outcome, RobotError
-from pix2pred.robots.spot.eyes import Shot
+from pix2pred.robots.spot.eyes import CameraShot
 from pix2pred.robots.spot.frames import BODY, ODOM, floor_message, message, seen_from
 from pix2pred.robots.spot.link import named
-from pix2pred.robots.spot.session import Session
+from pix2pred.robots.spot.session import SpotSession
 from pix2pred.structs.space.poses import FloorPose, Pose
 
 _STATUS = basic_command_pb2.RobotCommandFeedbackStatus
@@ -26,7 +26,7 @@ class FailedError(Exception):
 class Limbs:
     """Moves the robot. Raises ``FailedError`` for motions that fail, ``RobotError`` when nothing more can move."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: SpotSession) -> None:
         self._session, self._settings = session, session.settings
 
     def odometry(self) -> Pose:
@@ -85,7 +85,7 @@ class Limbs:
         """Close the fingers."""
         self._fingers(RobotCommandBuilder.claw_gripper_close_command())
 
-    def grasp(self, shot: Shot, x: float, y: float) -> None:
+    def grasp(self, shot: CameraShot, x: float, y: float) -> None:
         """Take what is seen at a pixel of the picture as taken; the robot walks there by itself."""
         pick = manipulation_api_pb2.PickObjectInImage(
             pixel_xy=geometry_pb2.Vec2(x=x, y=y),

@@ -9,28 +9,28 @@ from pix2pred.robots.robot import RobotMemory
 from pix2pred.robots.spot.credentials import credentials
 from pix2pred.robots.spot.finding import Outliner
 from pix2pred.robots.spot.robot import Hand, Spot
-from pix2pred.robots.spot.session import Address, Session
+from pix2pred.robots.spot.session import Address, SpotSession
 from pix2pred.robots.spot.settings import SpotSettings
 from pix2pred.robots.spot.skills.repertoire import Repertoire
-from pix2pred.robots.spot.surveying.check import Finding, check
+from pix2pred.robots.spot.surveying.check import CheckedPart, check
 from pix2pred.robots.spot.surveying.mapping import Enough, Mapped, led, turning
 from pix2pred.structs import Task, Vocabulary
 
 
-def connected(at: SpotAt, certificate: Path | None, settings: SpotSettings = SpotSettings()) -> Session:  # noqa: B008
+def connected(at: SpotAt, certificate: Path | None, settings: SpotSettings = SpotSettings()) -> SpotSession:  # noqa: B008
     """A session that is not open yet; name and password come from the environment or are asked for."""
     where = Address(at.host, at.port, str(certificate) if certificate else None)
-    return Session(where, credentials(), settings)
+    return SpotSession(where, credentials(), settings)
 
 
 def spot(
-    session: Session, outliner: Outliner, programs: Repertoire, task: Task, words: Vocabulary, memory: RobotMemory
+    session: SpotSession, outliner: Outliner, programs: Repertoire, task: Task, words: Vocabulary, memory: RobotMemory
 ) -> Spot:
     """A Spot with the programs for a task."""
     return Spot(f"the Spot at {session.where}", session, outliner, task.objects, Hand(programs, words), memory)
 
 
-def checked(session: Session) -> list[Finding]:
+def checked(session: SpotSession) -> list[CheckedPart]:
     """What there is to know before it moves; the session is opened and closed."""
     try:
         session.open()
@@ -39,7 +39,7 @@ def checked(session: Session) -> list[Finding]:
         session.close()
 
 
-def mapped(session: Session, size: float, enough: Enough, *, turn: bool) -> Mapped:
+def mapped(session: SpotSession, size: float, enough: Enough, *, turn: bool) -> Mapped:
     """A map of the tags around; ``turn`` lets the robot stand up and turn. The session is opened and closed."""
     try:
         session.open()

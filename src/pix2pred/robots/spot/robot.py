@@ -9,12 +9,12 @@ from typing import Self
 
 import numpy as np
 
-from pix2pred.robots.robot import Outcome, RobotError, RobotMemory, View
-from pix2pred.robots.spot.eyes import Eyes, Shot
+from pix2pred.robots.robot import CameraView, Outcome, RobotError, RobotMemory
+from pix2pred.robots.spot.eyes import CameraShot, Eyes
 from pix2pred.robots.spot.finding import Found, Outliner, points_of
 from pix2pred.robots.spot.frames import ODOM, seen_from
 from pix2pred.robots.spot.limbs import FailedError, Limbs
-from pix2pred.robots.spot.session import Session
+from pix2pred.robots.spot.session import SpotSession
 from pix2pred.robots.spot.settings import CAMERAS, DEPTH_OF, FRONT, HOME, LOOKING, SHOULDER, SpotSettings
 from pix2pred.robots.spot.skills.repertoire import Program, Repertoire
 from pix2pred.robots.spot.whereabouts import Whereabouts
@@ -40,7 +40,7 @@ class Spot:
     def __init__(
         self,
         name: str,
-        session: Session,
+        session: SpotSession,
         outliner: Outliner,
         objects: Sequence[Object],
         hand: Hand,
@@ -115,7 +115,7 @@ class Spot:
         floor = Pose.on_floor(self.whereabouts.map_from_odom.inverse * HOME)
         self.limbs.hand([floor * LOOKING], "odom")
 
-    def views(self) -> Sequence[View]:
+    def views(self) -> Sequence[CameraView]:
         for left in reversed(range(WAYS_HOME)):
             try:
                 self.go_home()
@@ -129,7 +129,7 @@ class Spot:
             shot = shots[source]
             outlines = self._outliner.find(shot, self.objects)
             picture = Picture(shot.name, Image.from_pixels(shot.upright()), dict(sorted(outlines.boxes.items())))
-            views.append(View(picture, self.map_from_body(shot) * shot.camera))
+            views.append(CameraView(picture, self.map_from_body(shot) * shot.camera))
         return views
 
     def observe(self) -> State:
@@ -150,7 +150,7 @@ class Spot:
             raise RobotError(Outcome.NOT_READY, f"no program for the skill {skill}; there are {known}")
         return self._programs.programs[skill]
 
-    def map_from_body(self, shot: Shot) -> Pose:
+    def map_from_body(self, shot: CameraShot) -> Pose:
         """The body seen from the map when a picture was taken."""
         return Pose.on_floor(self.whereabouts.map_from_odom) * shot.body
 

@@ -37,7 +37,7 @@ class Address:
     certificate: str | None = None
 
 
-class Session:
+class SpotSession:
     """Clients of one robot. ``open`` moves nothing; ``take`` takes the lease and stands up; ``close`` undoes both."""
 
     def __init__(self, address: Address, who: Credentials, settings: SpotSettings) -> None:

@@ -14,13 +14,13 @@ from bosdyn.api import (
     robot_command_service_pb2_grpc,
 )
 
-from pix2pred.robots.simulator.body import NAMED, Body
+from pix2pred.robots.simulator.body import NAMED, SimulatedBody
 from pix2pred.robots.simulator.frames import from_body
 from pix2pred.robots.simulator.messages import from_message
 from pix2pred.robots.simulator.motion import End, Reach
 from pix2pred.robots.simulator.services.access import TimeSync
 from pix2pred.robots.simulator.services.answering import answering, seconds_of, used
-from pix2pred.robots.simulator.services.legs import RefusedError, begin_legs, report_legs
+from pix2pred.robots.simulator.services.legs import CommandRefusedError, begin_legs, report_legs
 from pix2pred.robots.simulator.settings import BODY_FROM_PLACE
 from pix2pred.robots.simulator.spot import SimulatedSpot
 from pix2pred.robots.simulator.walking import Walk
@@ -58,7 +58,7 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
                 return
             try:
                 number = self._begin(request)
-            except RefusedError as error:
+            except CommandRefusedError as error:
                 answer.status, answer.message = answer.Status.Value(error.status), str(error)
             else:
                 answer.status, answer.robot_command_id = answer.STATUS_OK, number
@@ -94,9 +94,9 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
             self._whole_body(body, command.full_body_command)
         else:
             if not body.powered:
-                raise RefusedError("STATUS_NOT_POWERED_ON", "the motors are off")
+                raise CommandRefusedError("STATUS_NOT_POWERED_ON", "the motors are off")
             if body.fallen:
-                raise RefusedError("STATUS_BEHAVIOR_FAULT", "the robot has fallen")
+                raise CommandRefusedError("STATUS_BEHAVIOR_FAULT", "the robot has fallen")
             parts = command.synchronized_command
             if parts.HasField("mobility_command"):
                 clock = self._clocks.knows(request.clock_identifier)
@@ -113,7 +113,7 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
         return number
 
     @staticmethod
-    def _whole_body(body: Body, command: Any) -> None:
+    def _whole_body(body: SimulatedBody, command: Any) -> None:
         kind = command.WhichOneof("command")
         if kind in ("stop_request", "freeze_request"):
             body.halt()
@@ -123,14 +123,14 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
         elif kind == "selfright_request":
             body.fallen = False
         else:
-            raise RefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
+            raise CommandRefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
 
-    def _arm(self, body: Body, command: Any, doing: Doing) -> None:
+    def _arm(self, body: SimulatedBody, command: Any, doing: Doing) -> None:
         kind = command.WhichOneof("command")
         if kind == "named_arm_position_command":
             number = int(command.named_arm_position_command.position)
             if number not in NAMED:
-                raise RefusedError("STATUS_INVALID_REQUEST", "no such position of the arm")
+                raise CommandRefusedError("STATUS_INVALID_REQUEST", "no such position of the arm")
             if NAMED[number] is NAMED[3] and body.around.holding is not None and not body.stowable:
                 doing.stalled = True
             else:
@@ -146,17 +146,17 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
         elif kind == "arm_stop_command":
             body.lead([], [])
         else:
-            raise RefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
+            raise CommandRefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
 
     @staticmethod
-    def _root(body: Body, name: str) -> Pose:
+    def _root(body: SimulatedBody, name: str) -> Pose:
         """A frame seen from the place under the nose."""
         root = from_body(body, name)
         if root is None:
-            raise RefusedError("STATUS_UNKNOWN_FRAME", f"the robot knows no frame {name!r}")
+            raise CommandRefusedError("STATUS_UNKNOWN_FRAME", f"the robot knows no frame {name!r}")
         return BODY_FROM_PLACE * root
 
-    def _gaze(self, body: Body, wanted: Any) -> Pose:
+    def _gaze(self, body: SimulatedBody, wanted: Any) -> Pose:
         """The hand at the place asked for, or where it is, looking at the target."""
         point = wanted.target_trajectory_in_frame1.points[-1].point
         target = self._root(body, wanted.frame1_name) * from_message_point(point)

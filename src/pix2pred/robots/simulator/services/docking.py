@@ -7,11 +7,11 @@ from typing import Any
 
 from bosdyn.api.docking import docking_pb2, docking_service_pb2_grpc
 
-from pix2pred.robots.simulator.body import Body
+from pix2pred.robots.simulator.body import SimulatedBody
 from pix2pred.robots.simulator.motion import End
 from pix2pred.robots.simulator.services.access import TimeSync
 from pix2pred.robots.simulator.services.answering import answering, used
-from pix2pred.robots.simulator.services.legs import RefusedError, seconds_left
+from pix2pred.robots.simulator.services.legs import CommandRefusedError, seconds_left
 from pix2pred.robots.simulator.spot import SimulatedSpot
 from pix2pred.robots.simulator.walking import Walk
 from pix2pred.structs.space.poses import FloorPose
@@ -100,7 +100,7 @@ class DockingService(docking_service_pb2_grpc.DockingServiceServicer):
             return int(answer.STATUS_ERROR_NOT_AVAILABLE)
         try:
             left = seconds_left(self._spot, request, synchronised=self._clocks.knows(request.clock_identifier))
-        except RefusedError:
+        except CommandRefusedError:
             return int(answer.STATUS_ERROR_SYSTEM)
         before = leaving or how == docking_pb2.PREP_POSE_ONLY_POSE
         via = [PREPARED] if before else [DOCK] if how == docking_pb2.PREP_POSE_SKIP_POSE else [PREPARED, DOCK]
@@ -113,5 +113,5 @@ class DockingService(docking_service_pb2_grpc.DockingServiceServicer):
         return int(answer.STATUS_OK)
 
 
-def _docked(body: Body) -> None:
+def _docked(body: SimulatedBody) -> None:
     body.docked, body.standing = True, False

@@ -7,7 +7,7 @@ from typing import Any
 
 from bosdyn.api import basic_command_pb2
 
-from pix2pred.robots.simulator.body import Body
+from pix2pred.robots.simulator.body import SimulatedBody
 from pix2pred.robots.simulator.messages import floor_from_message
 from pix2pred.robots.simulator.motion import End
 from pix2pred.robots.simulator.services.answering import seconds_of
@@ -22,7 +22,7 @@ LONGEST_DRIVE = 30.0
 """Seconds that a velocity is walked with at most, however far off the command's end is."""
 
 
-class RefusedError(Exception):
+class CommandRefusedError(Exception):
     """A command that is not carried out, with the name of its status."""
 
     def __init__(self, status: str, why: str = "") -> None:
@@ -31,7 +31,7 @@ class RefusedError(Exception):
 
 
 def begin_legs(spot: SimulatedSpot, command: Any, *, synchronised: bool) -> Walk | None:
-    """Carry out a command to the legs; gives the walk it began. Raises ``RefusedError``."""
+    """Carry out a command to the legs; gives the walk it began. Raises ``CommandRefusedError``."""
     body, kind = spot.body, command.WhichOneof("command")
     if kind == "stand_request":
         body.standing = True
@@ -45,26 +45,26 @@ def begin_legs(spot: SimulatedSpot, command: Any, *, synchronised: bool) -> Walk
     elif kind == "se2_velocity_request":
         return _drive(spot, command.se2_velocity_request, synchronised=synchronised)
     else:
-        raise RefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
+        raise CommandRefusedError("STATUS_UNSUPPORTED", f"{kind} is not simulated")
     return None
 
 
 def seconds_left(spot: SimulatedSpot, wanted: Any, *, synchronised: bool) -> float:
-    """Seconds until a command's end. Raises ``RefusedError`` when it is over, or means nothing yet."""
+    """Seconds until a command's end. Raises ``CommandRefusedError`` when it is over, or means nothing yet."""
     if not synchronised:
-        raise RefusedError("STATUS_NO_TIMESYNC", "synchronise clocks first")
+        raise CommandRefusedError("STATUS_NO_TIMESYNC", "synchronise clocks first")
     left = seconds_of(wanted.end_time) - spot.time()
     if left <= 0:
-        raise RefusedError("STATUS_EXPIRED", "the command's end was over before it came")
+        raise CommandRefusedError("STATUS_EXPIRED", "the command's end was over before it came")
     return left
 
 
 def _walk(spot: SimulatedSpot, wanted: Any, *, synchronised: bool) -> Walk:
     left = seconds_left(spot, wanted, synchronised=synchronised)
     if wanted.se2_frame_name not in ("odom", "vision"):
-        raise RefusedError("STATUS_UNKNOWN_FRAME", f"walk in odom or vision, not in {wanted.se2_frame_name!r}")
+        raise CommandRefusedError("STATUS_UNKNOWN_FRAME", f"walk in odom or vision, not in {wanted.se2_frame_name!r}")
     if not wanted.trajectory.points:
-        raise RefusedError("STATUS_INVALID_REQUEST", "a trajectory has points")
+        raise CommandRefusedError("STATUS_INVALID_REQUEST", "a trajectory has points")
     _free_to_walk(spot.body)
     goal = floor_from_message(wanted.trajectory.points[-1].pose)
     return spot.body.go(goal * BODY_FROM_PLACE.inverse.floor, until=time.monotonic() + left)
@@ -77,18 +77,20 @@ def _drive(spot: SimulatedSpot, wanted: Any, *, synchronised: bool) -> Walk:
         there = FloorPose(yaw=-spot.body.felt.yaw) * FloorPose(velocity.x, velocity.y)
         velocity = FloorPose(there.x, there.y, velocity.yaw)
     elif wanted.se2_frame_name not in ("body", "flat_body"):
-        raise RefusedError("STATUS_UNKNOWN_FRAME", f"no velocity in {wanted.se2_frame_name!r}: body, odom or vision")
+        raise CommandRefusedError(
+            "STATUS_UNKNOWN_FRAME", f"no velocity in {wanted.se2_frame_name!r}: body, odom or vision"
+        )
     _free_to_walk(spot.body)
     return spot.body.drive(velocity, min(left, LONGEST_DRIVE))
 
 
-def _free_to_walk(body: Body) -> None:
+def _free_to_walk(body: SimulatedBody) -> None:
     if body.docked:
-        raise RefusedError("STATUS_DOCKED", "undock first")
+        raise CommandRefusedError("STATUS_DOCKED", "undock first")
     body.standing = True
 
 
-def report_legs(body: Body, walk: Walk | None, command: Any, told: Any) -> None:
+def report_legs(body: SimulatedBody, walk: Walk | None, command: Any, told: Any) -> None:
     """Say how a command to the legs is getting on."""
     told.status = _STATUS.STATUS_PROCESSING
     if command.HasField("stand_request"):
@@ -107,7 +109,7 @@ def report_legs(body: Body, walk: Walk | None, command: Any, told: Any) -> None:
         _report_walk(body, walk, told)
 
 
-def _report_walk(body: Body, walk: Walk, told: Any) -> None:
+def _report_walk(body: SimulatedBody, walk: Walk, told: Any) -> None:
     way, running = told.se2_trajectory_feedback, walk.end is End.RUNNING
     way.status = way.STATUS_GOING_TO_GOAL if running else way.STATUS_AT_GOAL
     way.body_movement_status = way.BODY_STATUS_MOVING if running else way.BODY_STATUS_SETTLED

@@ -14,7 +14,7 @@ from pix2pred.robots.localising.tags import Sighting, TagFinder
 from pix2pred.robots.robot import Outcome, RobotError
 from pix2pred.robots.spot.eyes import Eyes
 from pix2pred.robots.spot.limbs import FailedError, Limbs
-from pix2pred.robots.spot.session import Session
+from pix2pred.robots.spot.session import SpotSession
 from pix2pred.robots.spot.whereabouts import place_of, sightings
 from pix2pred.structs.space.poses import FloorPose
 
@@ -38,7 +38,7 @@ class Mapped:
     worst: float
 
 
-def led(session: Session, size: float, enough: Enough) -> Mapped:
+def led(session: SpotSession, size: float, enough: Enough) -> Mapped:
     """Looks, whenever a person has walked the robot on, until ``enough`` says so or Ctrl-C; nothing is moved or taken.
 
     The map's origin, which is home, is the place of the first look. Raises ``RobotError``.
@@ -51,7 +51,7 @@ def led(session: Session, size: float, enough: Enough) -> Mapped:
     return looks.mapped()
 
 
-def turning(session: Session, size: float, enough: Enough) -> Mapped:
+def turning(session: SpotSession, size: float, enough: Enough) -> Mapped:
     """The same while the robot, which stands, turns once about itself; headings that it cannot turn to are left out."""
     looks, limbs = _Looks(session, size), Limbs(session)
     start = limbs.odometry().floor
@@ -68,7 +68,7 @@ def turning(session: Session, size: float, enough: Enough) -> Mapped:
 class _Looks:
     """What was seen from where, by odometry from the first look on."""
 
-    def __init__(self, session: Session, size: float) -> None:
+    def __init__(self, session: SpotSession, size: float) -> None:
         self._session, self._finder, self._eyes = session, TagFinder(size), Eyes(session)
         self._first: FloorPose | None = None
         self._last = FloorPose()
