@@ -7,12 +7,12 @@ so that checking changes no result.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from pix2pred.system.seeded import draw
 from pix2pred.vlm.distilled.model import Reading
 from pix2pred.vlm.distilled.question import LABELLING, about
 from pix2pred.vlm.distilled.reader import DistilledReader, Line, written
@@ -53,7 +53,7 @@ class Cascade:
         sure = [a for a in question.atoms if readings and all(r[a].value is not None for r in readings.values())]
         rest = [a for a in question.atoms if a not in set(sure)]
         look = _name_of(question)
-        audited = sure if self._draw(look) < self.checked else []
+        audited = sure if draw(self.seed, look) < self.checked else []
         known = {number: {a: of_state[a] for a in sure} for number, of_state in readings.items()}
         lines = self.reader.lines(request.purpose, replace(question, atoms=tuple(sure)), known)
         asked = [a for a in question.atoms if a in {*rest, *audited}]
@@ -82,11 +82,6 @@ class Cascade:
                 raise
             return Answer("")
         return Answer("", answer.stored, spent=answer.spent) if lines and answer.finish == Finish.REFUSED else answer
-
-    def _draw(self, look: str) -> float:
-        """A number in [0, 1) that seed and pictures decide."""
-        text = f"{self.seed}|{look}"
-        return float(int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56)
 
     def _checks(
         self, answer: Answer, audited: Sequence[AskedAtom], readings: Mapping[int, Mapping[AskedAtom, Reading]]

@@ -5,11 +5,11 @@ For studies and tests alone: nothing that users run offers them, and the model's
 
 from __future__ import annotations
 
-import hashlib
 import re
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from pix2pred.system.seeded import draw
 from pix2pred.vlm.offline.prompt_format import current_views, executed_skills
 from pix2pred.vlm.request import VLM, Answer, Purpose, Request
 
@@ -50,12 +50,6 @@ class Errors(Protocol):
     def spoilt(self, asked: WantedLabel, value: bool) -> bool | None:
         """What is said in place of ``value``; None stands for unknown."""
         ...
-
-
-def draw(*words: object) -> float:
-    """A number in [0, 1) that the words alone decide."""
-    text = "|".join(map(str, words))
-    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 
+from pix2pred.system.seeded import draw
 from pix2pred.vlm.offline.prompt_format import current_views, histories, history_line, states_shown
 from pix2pred.vlm.request import VLM, Answer, Purpose, Request
 
@@ -45,6 +45,4 @@ class FlippingVLM:
 
     def _said(self, picture: str, atom: str, value: bool | None) -> bool | None:
         """The value that is given in place of ``value``; what is unknown stays so."""
-        text = f"{self._seed}|{picture}|{atom}"
-        draw = int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56
-        return None if value is None else value != (draw < self._rate)
+        return None if value is None else value != (draw(self._seed, picture, atom) < self._rate)

@@ -5,12 +5,12 @@ Nothing that users run offers it, and whatever it labels is stamped ``oracle``.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 
 from pix2pred.structs.views import View
+from pix2pred.system.seeded import draw
 from pix2pred.vlm.offline.prompt_format import (
     AskedAtom,
     KnownWord,
@@ -107,17 +107,12 @@ class NoisyOracle:
 
     def _error(self, view: View, atom: AskedAtom) -> _Error | None:
         """The error that this label has, if any."""
-        draw, rates = self._draw(view, atom), self._rates
+        left, rates = draw(self._seed, view.picture.image.digest, atom), self._rates
         for kind, rate in (
             (_Error.FLIP, rates.flip), (_Error.UNKNOWN, rates.unknown),
             (_Error.MISSING, rates.missing), (_Error.MALFORMED, rates.malformed),
         ):  # fmt: skip
-            if draw < rate:
+            if left < rate:
                 return kind
-            draw -= rate
+            left -= rate
         return None
-
-    def _draw(self, view: View, atom: AskedAtom) -> float:
-        """A number in [0, 1) that only seed, picture and atom decide."""
-        text = f"{self._seed}|{view.picture.image.digest}|{atom}"
-        return int.from_bytes(hashlib.sha256(text.encode()).digest()[:7]) / 2**56
