@@ -24,7 +24,7 @@ LENGTHS = {"more-stacks": [14] + [7] * 11, "bigger": [7, 10, 10] * 4, "combo": [
 
 def test_it_is_a_domain() -> None:
     domain: Domain = BurgerDomain()
-    assert (domain.name, tuple(domain.families)) == ("burger", ("more-stacks", "bigger", "combo"))
+    assert (domain.name, tuple(domain.families)) == ("burger", ("more-stacks", "bigger", "combo", "banquet"))
     assert domain.settings("combo") == {
         "h_pre_frac": 0.8, "h_data_frac": 0.05, "j_threshold": 2000, "early_stop": "level",
         "precondition_rule": "at_least", "max_plans": 200,

@@ -101,7 +101,7 @@ def test_any_history_keeps_the_world_in_order(seed: int, primitives: list[Burger
     world = initial_world(scene, np.random.default_rng(seed))
     for primitive in primitives:
         world = advance(world, primitive)
-        assert world.cell.walkable
+        assert world.walkable(world.cell)
         assert world.held is None or world.thing(world.held).cell == world.cell
         for cell in {t.cell for t in world.things}:
             assert [t.z for t in world.stack(cell)] == list(range(len(world.stack(cell))))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.domains.burger.world import EDGE_CELLS, BurgerWorld, Thing
+from pix2pred.domains.burger.world import BurgerWorld, Thing, edge_cells
 
 
 class Disturbances:
@@ -39,7 +39,7 @@ def _moves(world: BurgerWorld) -> list[BurgerWorld]:
     return [
         world.changed(replace(top, cell=cell, z=0))
         for top in _tops(world)
-        for cell in EDGE_CELLS
+        for cell in edge_cells(world.size)
         if not world.stack(cell)
     ]
 
@@ -50,7 +50,9 @@ def _drops(world: BurgerWorld) -> list[BurgerWorld]:
         return []
     held = world.thing(world.held)
     return [
-        replace(world.changed(replace(held, cell=cell, z=0)), held=None) for cell in EDGE_CELLS if not world.stack(cell)
+        replace(world.changed(replace(held, cell=cell, z=0)), held=None)
+        for cell in edge_cells(world.size)
+        if not world.stack(cell)
     ]
 
 

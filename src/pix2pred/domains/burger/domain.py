@@ -21,7 +21,9 @@ from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorSt
 
 
 class BurgerDomain:
-    """Three task families in one grid kitchen. Every scene is seeded by (seed, split, family index, index).
+    """Three task families in one grid kitchen, and one in a larger kitchen.
+
+    Every scene is seeded by (seed, split, family index, index).
 
     ``variant`` selects the test tasks; ``held_z`` is the level of an item held at reset, 1 or, as in the reference, 0.
     """
@@ -46,12 +48,12 @@ class BurgerDomain:
 
     def demonstrations(self, family: str, seed: int) -> Sequence[Demo]:
         """The 12 rendered demonstrations, in the order of method 12.2."""
-        chosen = self._family(family)
+        chosen = self._family(self._family(family).shown)
         demos = []
         for index, recipe in enumerate(chosen.demonstrations):
             rng = scene_generator(seed, Split.DEMONSTRATIONS, chosen.index, index)
             world = initial_world(recipe.scene, rng, self.held_z)
-            demos.append(demonstrate(f"{family}-{index:02d}-{recipe.name}", chosen, recipe, world))
+            demos.append(demonstrate(f"{chosen.name}-{index:02d}-{recipe.name}", chosen, recipe, world))
         return tuple(demos)
 
     def tasks(self, family: str, seed: int, count: int = 10) -> Sequence[SimulatedTask]:
@@ -66,9 +68,9 @@ class BurgerDomain:
 
     def demonstration_starts(self, family: str, seed: int) -> Sequence[SimulatedTask]:
         """The initial states of ``demonstrations(family, seed)``: running their actions visits their states again."""
-        chosen = self._family(family)
+        chosen = self._family(self._family(family).shown)
         return tuple(
-            self._task(f"{family}-{index:02d}", chosen, recipe, Split.DEMONSTRATIONS, seed, index)
+            self._task(f"{chosen.name}-{index:02d}", chosen, recipe, Split.DEMONSTRATIONS, seed, index)
             for index, recipe in enumerate(chosen.demonstrations)
         )
 

@@ -8,13 +8,13 @@ from pix2pred.domains.burger.classifiers import holds
 from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.observe import features_of, observe
 from pix2pred.domains.burger.skills import explain, policy_for
-from pix2pred.domains.burger.world import BurgerWorld, advance
+from pix2pred.domains.burger.world import SIZE, BurgerWorld, advance
 from pix2pred.structs import Action, Application, Atom, Predicate, State
 from pix2pred.structs.environment import Step, StepStatus
 from pix2pred.structs.samplers import Features
 
 HORIZON = 200
-"""Primitive steps in one episode."""
+"""Primitive steps in one episode in the published kitchen; in a larger one as many for every cell."""
 
 
 class BurgerEnvironment:
@@ -33,6 +33,7 @@ class BurgerEnvironment:
         self._predicates = tuple(predicates)
         self._goal = tuple(goal)
         self._disturbances = disturbances
+        self._horizon = HORIZON * initial.size**2 // SIZE**2
 
     def reset(self) -> None:
         """Start the episode over; the same disturbances would come again."""
@@ -67,8 +68,11 @@ class BurgerEnvironment:
             return StepStatus.STUCK, f"{skill} cannot be run: {error}"
         seen = {start}
         while not policy.finished(self.world):
-            if self.steps >= HORIZON:
-                return StepStatus.HORIZON, f"{skill} had not ended when the {HORIZON} steps of the episode were used up"
+            if self.steps >= self._horizon:
+                return (
+                    StepStatus.HORIZON,
+                    f"{skill} had not ended when the {self._horizon} steps of the episode were used up",
+                )
             self.world = advance(self.world, policy(self.world))
             self.steps += 1
             # Policies are deterministic and see the whole world, so a repeated world repeats for ever.

@@ -20,6 +20,7 @@ from pix2pred.domains.burger.vocabulary import (
     composites,
     find_predicate,
 )
+from pix2pred.domains.burger.world import SIZE
 from pix2pred.structs import Action, Application, Atom, Object, Predicate, Vocabulary, parse_application
 
 Variant = Literal["paper", "reference"]
@@ -28,11 +29,15 @@ Variant = Literal["paper", "reference"]
 
 @dataclass(frozen=True, slots=True)
 class SceneContents:
-    """What a scene holds: ``(name, type name)`` sorted by name, what starts on what, and what is held."""
+    """What a scene holds: ``(name, type name)`` sorted by name, what starts on what, and what is held.
+
+    ``size`` are the cells along one side of the kitchen.
+    """
 
     things: tuple[tuple[str, str], ...]
     start: Mapping[str, str] = field(default_factory=dict)
     held: str | None = None
+    size: int = SIZE
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +65,13 @@ class TaskKinds:
 class BurgerFamily:
     """A task family as the file describes it.
 
-    ``index`` is its place there and enters its seeds; ``tests`` are kinds of test task by their variant, ``settings``
-    the published settings of learning.
+    ``index`` is its place there and enters the seeds of its tasks; ``shown`` is the family whose demonstrations it has;
+    ``tests`` are kinds of test task by their variant, ``settings`` the published settings of learning.
     """
 
     name: str
     index: int
+    shown: str
     initial: tuple[Predicate, ...]
     demonstrations: tuple[BurgerRecipe, ...]
     tests: Mapping[str, TaskKinds]
@@ -95,10 +101,16 @@ def bind_action(application: Application, objects: Mapping[str, Object]) -> Acti
 def load_families() -> Mapping[str, BurgerFamily]:
     """All families by name, in the order of the file."""
     text = resources.files("pix2pred.domains.burger").joinpath("families.yaml").read_text(encoding="utf-8")
-    return {name: _family(name, index, data) for index, (name, data) in enumerate(yaml.safe_load(text).items())}
+    data = yaml.safe_load(text)
+    order = list(data)
+    return {name: _family(name, order, data) for name in order}
 
 
-def _family(name: str, index: int, data: Mapping[str, Any]) -> BurgerFamily:
+def _family(name: str, order: Sequence[str], families: Mapping[str, Any]) -> BurgerFamily:
+    """A family; what it does not say itself is that of the family it is ``like``."""
+    own = families[name]
+    model = own.get("like", name)
+    data = {**families[model], **own}
     recipes = {key: _recipe(key, entry) for key, entry in data["recipes"].items()}
     demonstrations = [
         recipes[key] for block in data["demonstrations"] for _ in range(block["times"]) for key in block["cycle"]
@@ -108,7 +120,7 @@ def _family(name: str, index: int, data: Mapping[str, Any]) -> BurgerFamily:
         for variant, kinds in data["tests"].items()
     }
     initial = (*SHARED, *composites(data["composites"]))
-    return BurgerFamily(name, index, initial, tuple(demonstrations), tests, data["settings"])
+    return BurgerFamily(name, order.index(name), model, initial, tuple(demonstrations), tests, data["settings"])
 
 
 def _recipe(name: str, data: Mapping[str, Any]) -> BurgerRecipe:
@@ -119,7 +131,7 @@ def _recipe(name: str, data: Mapping[str, Any]) -> BurgerRecipe:
     )
     return BurgerRecipe(
         name,
-        SceneContents(tuple(things), data.get("start", {}), data.get("held")),
+        SceneContents(tuple(things), data.get("start", {}), data.get("held"), data.get("size", SIZE)),
         tuple(parse_application(text) for text in data["goal"]),
         tuple(parse_application(text) for text in data.get("skills", ())),
     )

@@ -7,32 +7,33 @@ from dataclasses import replace
 import numpy as np
 
 from pix2pred.domains.burger.families import BurgerRecipe, SceneContents
-from pix2pred.domains.burger.world import EDGE_CELLS, BurgerWorld, Cell, Heading, Thing
+from pix2pred.domains.burger.world import EDGE_CELLS, BurgerWorld, Cell, Heading, Thing, edge_cells
 from pix2pred.structs import Application
 
 ROBOT_NAME = "robot"
 
 
 def initial_world(scene: SceneContents, rng: np.random.Generator, held_z: int = 1) -> BurgerWorld:
-    """A uniform shuffle of ``scene`` over the 12 edge cells that are not corners.
+    """A uniform shuffle of ``scene`` over the edge cells that are not corners: 12 in the published kitchen.
 
     ``held_z`` is the z of an item held from the start: 1, or 0 as in the reference (method 10.2). Raises
     ``ValueError`` when there are more things than cells.
     """
+    cells = edge_cells(scene.size)
     loose = [(name, kind) for name, kind in scene.things if name != scene.held and name not in scene.start]
-    if len(loose) > len(EDGE_CELLS):
-        raise ValueError(f"{len(loose)} things do not fit {len(EDGE_CELLS)} cells")
-    order = rng.permutation(len(EDGE_CELLS))
+    if len(loose) > len(cells):
+        raise ValueError(f"{len(loose)} things do not fit {len(cells)} cells")
+    order = rng.permutation(len(cells))
     look = int(rng.integers(2**31))
-    placed = {name: Thing(name, kind, EDGE_CELLS[order[i]]) for i, (name, kind) in enumerate(loose)}
-    middle = Cell(2, 2)
+    placed = {name: Thing(name, kind, cells[order[i]]) for i, (name, kind) in enumerate(loose)}
+    middle = Cell(scene.size // 2, scene.size // 2)
     for name, kind in scene.things:
         if name == scene.held:
             placed[name] = Thing(name, kind, middle, held_z)
         elif name in scene.start:
             support = placed[scene.start[name]]
             placed[name] = replace(support, name=name, type=kind, z=support.z + 1)
-    return BurgerWorld(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), look)
+    return BurgerWorld(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), look, scene.size)
 
 
 def sized_recipe(items: int) -> BurgerRecipe:

@@ -48,7 +48,7 @@ def walk(world: BurgerWorld, goal: Cell) -> BurgerPrimitive:
     seen = {world.cell}
     while queue:
         cell, first = queue.popleft()
-        if cell in seen or not cell.walkable or world.stack(cell):
+        if cell in seen or not world.walkable(cell) or world.stack(cell):
             continue
         seen.add(cell)
         if any(cell.toward(h) == goal for h in Heading):

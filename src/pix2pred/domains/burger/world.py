@@ -14,7 +14,10 @@ from typing import Any
 from pix2pred.domains.burger.vocabulary import ITEM, STATION, TYPE_OF
 
 SIZE = 5
-"""Cells along one side."""
+"""Cells along one side of the published kitchen; a family may have a larger one."""
+
+MOST_SIZE = 15
+"""Cells along one side of the largest kitchen: its pictures have 1920 pixels a side."""
 
 
 class Heading(IntEnum):
@@ -38,16 +41,18 @@ class Cell:
         drow, dcol = _STEPS[heading]
         return Cell(self.row + drow, self.col + dcol)
 
-    @property
-    def walkable(self) -> bool:
-        """Whether the robot may stand here when nothing else does: the interior 3x3."""
-        return 0 < self.row < SIZE - 1 and 0 < self.col < SIZE - 1
-
 
 _STEPS = {Heading.UP: (-1, 0), Heading.LEFT: (0, -1), Heading.DOWN: (1, 0), Heading.RIGHT: (0, 1)}
 
-EDGE_CELLS = tuple(Cell(r, c) for r in range(SIZE) for c in range(SIZE) if (r in (0, SIZE - 1)) != (c in (0, SIZE - 1)))
-"""The 12 edge cells that are not corners, row by row."""
+
+def edge_cells(size: int) -> tuple[Cell, ...]:
+    """The edge cells of a kitchen that are not corners, row by row."""
+    ends = (0, size - 1)
+    return tuple(Cell(r, c) for r in range(size) for c in range(size) if (r in ends) != (c in ends))
+
+
+EDGE_CELLS = edge_cells(SIZE)
+"""The 12 of the published kitchen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +93,10 @@ class BurgerPrimitive:
 
 @dataclass(frozen=True, slots=True)
 class BurgerWorld:
-    """Everything the simulator knows. ``things`` are sorted by name; ``look`` seeds how the scene is drawn."""
+    """Everything the simulator knows. ``things`` are sorted by name; ``look`` seeds how the scene is drawn.
+
+    ``size`` are the cells along one side of the kitchen.
+    """
 
     robot: str
     cell: Cell
@@ -96,6 +104,7 @@ class BurgerWorld:
     held: str | None
     things: tuple[Thing, ...]
     look: int = 0
+    size: int = SIZE
 
     def __post_init__(self) -> None:
         ordered = tuple(sorted(self.things, key=lambda t: t.name))
@@ -115,6 +124,10 @@ class BurgerWorld:
     def where(self, name: str) -> Cell:
         """The cell of a thing or of the robot."""
         return self.cell if name == self.robot else self.thing(name).cell
+
+    def walkable(self, cell: Cell) -> bool:
+        """Whether the robot may stand in ``cell`` when nothing else does: in the interior."""
+        return 0 < cell.row < self.size - 1 and 0 < cell.col < self.size - 1
 
     @property
     def faced(self) -> Cell:
@@ -151,6 +164,7 @@ class BurgerWorld:
                 for t in self.things
             ],
             "look": self.look,
+            **({} if self.size == SIZE else {"size": self.size}),
         }
 
     @classmethod
@@ -164,7 +178,7 @@ class BurgerWorld:
             )
             world = cls(
                 robot["name"], Cell(int(robot["row"]), int(robot["col"])), Heading(int(robot["dir"])),
-                data["held"], things, int(data["look"]),
+                data["held"], things, int(data["look"]), int(data.get("size", SIZE)),
             )  # fmt: skip
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError(f"not a burger simulator state: {type(error).__name__}: {error}") from error
@@ -173,6 +187,8 @@ class BurgerWorld:
 
 
 def _check(world: BurgerWorld) -> None:
+    if not SIZE <= world.size <= MOST_SIZE:
+        raise ValueError(f"not a burger simulator state: a kitchen has {SIZE} to {MOST_SIZE} cells a side")
     names = [world.robot, *(t.name for t in world.things)]
     if repeated := sorted({n for n in names if names.count(n) > 1}):
         raise ValueError(f"not a burger simulator state: {repeated[0]!r} is there twice")
@@ -180,9 +196,9 @@ def _check(world: BurgerWorld) -> None:
         kind = TYPE_OF.get(thing.type)
         if kind is None or not (kind.is_a(ITEM) or kind.is_a(STATION)):
             raise ValueError(f"not a burger simulator state: {thing.name} has unknown type {thing.type!r}")
-        if not (0 <= thing.cell.row < SIZE and 0 <= thing.cell.col < SIZE and thing.z >= 0):
+        if not (0 <= thing.cell.row < world.size and 0 <= thing.cell.col < world.size and thing.z >= 0):
             raise ValueError(f"not a burger simulator state: {thing.name} is outside the grid")
-    if not world.cell.walkable:
+    if not world.walkable(world.cell):
         raise ValueError("not a burger simulator state: the robot is outside the interior cells")
     if world.held is not None and not (world.held in names[1:] and world.thing(world.held).is_item):
         raise ValueError(f"not a burger simulator state: {world.held!r} cannot be held")
@@ -206,7 +222,7 @@ def advance(world: BurgerWorld, primitive: BurgerPrimitive) -> BurgerWorld:
 
 def _move(world: BurgerWorld, heading: Heading) -> BurgerWorld:
     world = replace(world, heading=heading)
-    if not world.faced.walkable or world.stack(world.faced):
+    if not world.walkable(world.faced) or world.stack(world.faced):
         return world
     world = replace(world, cell=world.faced)
     if world.held is None:

@@ -20,6 +20,12 @@ SIDE = 16
 TIGHT, WIDE = 1.1, 2.2
 """Sides of the two crops of an object, relative to the longer side of its box."""
 
+SAME_SCALE = 640
+"""A picture higher than this many pixels is taken to show more, not the same larger: offsets are relative to this."""
+
+FARTHEST = 1.0
+"""Offsets between boxes count up to this: no picture of ordinary height has longer ones."""
+
 BLANK_DEVIATION = 2.0
 """A box whose grey values deviate less than this (of 255) shows nothing."""
 
@@ -48,6 +54,11 @@ class Scene:
     def __post_init__(self) -> None:
         self.image = PIL.Image.fromarray(self.picture.image.pixels())
 
+    @property
+    def scale(self) -> float:
+        """The pixels that offsets and sizes are relative to: the picture's height, up to ``SAME_SCALE``."""
+        return float(min(self.image.height, SAME_SCALE))
+
     def box(self, name: str) -> Box | None:
         """Where an object is, if a detector located it."""
         return self.picture.boxes.get(name)
@@ -75,10 +86,10 @@ class Scene:
     def surroundings(self, name: str) -> Vector:
         """How the object's box lies among the others: sizes, nearest boxes above and below, containment.
 
-        Offsets are relative to the picture's height; 1 stands for none.
+        Offsets are relative to ``scale``; 1 stands for none.
         """
         box = self.picture.boxes[name]
-        scale = float(self.image.height)
+        scale = self.scale
         x, y = box.center
         above = below = 1.0
         inside = contains = 0.0
@@ -99,12 +110,13 @@ class Scene:
         return np.array([*size, above, below, min(above, 0.2), min(below, 0.2), inside, contains], dtype=np.float32)
 
     def relation(self, a: str, b: str) -> Vector:
-        """Where box ``b`` lies as seen from box ``a``, relative to the picture's height."""
+        """Where box ``b`` lies as seen from box ``a``, relative to ``scale``."""
         first, second = self.picture.boxes[a], self.picture.boxes[b]
-        scale = float(self.image.height)
-        dx = (second.center[0] - first.center[0]) / scale
-        dy = (second.center[1] - first.center[1]) / scale
-        db = (second.bottom - first.bottom) / scale
+        scale = self.scale
+        offsets = (
+            second.center[0] - first.center[0], second.center[1] - first.center[1], second.bottom - first.bottom
+        )  # fmt: skip
+        dx, dy, db = (max(-FARTHEST, min(FARTHEST, offset / scale)) for offset in offsets)
         near = (np.clip(4 * dx, -1, 1), np.clip(4 * dy, -1, 1), np.clip(4 * db, -1, 1))
         sizes = (first.width / scale, second.width / scale)
         return np.array([dx, dy, db, *near, abs(dx), abs(db), *sizes], dtype=np.float32)
@@ -121,7 +133,7 @@ MEASURES: Mapping[str, Callable[..., float | None]] = {
     "greenness": lambda s, a: _channel(s, a, lambda rgb: float((rgb[:, 1] - rgb[:, 0]).mean())),
     "contrast": lambda s, a: _channel(s, a, lambda rgb: float(rgb.std())),
     "blueness": lambda s, a: _channel(s, a, lambda rgb: float((rgb[:, 2] - rgb[:, 0]).mean())),
-    "width": lambda s, a: s.box(a).width / s.image.width,
+    "width": lambda s, a: s.box(a).width / min(s.image.width, SAME_SCALE),
     "x": lambda s, a: s.box(a).center[0] / s.image.width,
     "y": lambda s, a: s.box(a).center[1] / s.image.height,
     "dx": lambda s, a, b: float(s.relation(a, b)[0]),

@@ -15,7 +15,7 @@ import PIL.ImageDraw
 import PIL.ImageFilter
 
 from pix2pred.domains.burger.drawing.canvas import UNITS
-from pix2pred.domains.burger.drawing.floor import SIDE, floor
+from pix2pred.domains.burger.drawing.floor import floor
 from pix2pred.domains.burger.drawing.sprites import Sprite, sprite
 from pix2pred.domains.burger.world import BurgerWorld, Heading
 from pix2pred.structs import Box, Image, Picture, Pixels
@@ -39,19 +39,17 @@ class _Placed:
     top: int
     shadow: bool
 
-    def box(self) -> Box:
+    def box(self, side: int) -> Box:
+        """The box of the drawing in a picture of ``side`` pixels."""
         left, top, right, bottom = self.sprite.box
-        return Box(_clip(self.left + left), _clip(self.top + top), _clip(self.left + right), _clip(self.top + bottom))
-
-
-def _clip(value: int) -> float:
-    return float(max(0, min(SIDE, value)))
+        edges = (self.left + left, self.top + top, self.left + right, self.top + bottom)
+        return Box(*(float(max(0, min(side, edge))) for edge in edges))
 
 
 def render(world: BurgerWorld) -> Picture:
-    """The picture of ``world``, 640x640, with the boxes of all its objects."""
+    """The picture of ``world``, 128 pixels a cell, with the boxes of all its objects."""
     placed = _layout(world)
-    boxes = {p.name: p.box() for p in sorted(placed, key=lambda p: p.name)}
+    boxes = {p.name: p.box(UNITS * world.size) for p in sorted(placed, key=lambda p: p.name)}
     return Picture(CAMERA, Image.from_pixels(_draw(world, placed)), boxes)
 
 
@@ -61,7 +59,7 @@ def render_pixels(world: BurgerWorld) -> Pixels:
 
 
 def _draw(world: BurgerWorld, placed: list[_Placed]) -> Pixels:
-    image = floor(world.look).copy()
+    image = floor(world.look, world.size).copy()
     for p in placed:
         if p.shadow:
             image.paste((24, 16, 10), (p.left, p.top), _SHADOW)
