@@ -22,7 +22,14 @@ def cli(capfd: pytest.CaptureFixture[str]) -> Cli:
 
 
 @pytest.mark.parametrize(
-    "text", [WALK, WALK.replace(" ", ""), WALK.replace(" ", ","), "\ufeff\n\n" + WALK.replace("\n", "\r\n")]
+    "text",
+    [
+        WALK,
+        WALK.replace(" ", ""),
+        WALK.replace(" ", ","),
+        "\ufeff\n\n" + WALK.replace("\n", "\r\n"),
+        "\n".join(f"[{line.replace(' ', ', ')}]" if line else "" for line in WALK.split("\n")),
+    ],
 )
 def test_bits_in_any_spacing_are_read(tmp_path: Path, text: str) -> None:
     (tmp_path / "b.txt").write_bytes(text.encode())

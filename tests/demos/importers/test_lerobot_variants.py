@@ -38,6 +38,17 @@ def test_version_2_has_a_video_for_each_episode(tmp_path: Path, episode: int, ch
     assert f"put cube {episode} away" in draft.notes[0]
 
 
+@pytest.mark.parametrize("version", ["v2.0", "v2.1", "2.1", "v2"])
+@pytest.mark.parametrize("begin", ["", "\ufeff"])
+def test_version_2_is_read_however_it_is_written(tmp_path: Path, version: str, begin: str) -> None:
+    source = write_v2_dataset(tmp_path / "data")
+    for file, old in ((source / "meta/info.json", '"v2.1"'), (source / "meta/episodes.jsonl", "\n")):
+        text = file.read_text().replace(old, f'"{version}"' if old != "\n" else "\r\n")
+        file.write_bytes((begin + text).encode())
+    (draft,) = drafts_of_lerobot(source, segments(tmp_path, 1))
+    assert shown(draft) == [{"front": 0}, {"front": 6}, {"front": 12}]
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

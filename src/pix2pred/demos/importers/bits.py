@@ -13,6 +13,8 @@ from pix2pred.demos.files.problems import FolderError, Problem
 MOST_BYTES = 50_000_000
 _BITS = re.compile(rb"[01](?:[ \t,;]*[01])*")
 _ACTION = re.compile(rb"\d{1,9}")
+_AROUND = b" \t\r[]()"
+"""What may stand around a line, as lists and arrays are printed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,7 @@ def _blocks(content: bytes) -> Iterator[list[tuple[int, bytes]]]:
     """The numbered lines of each trace, without the empty ones between."""
     rows: list[tuple[int, bytes]] = []
     for number, line in enumerate(content.removeprefix(b"\xef\xbb\xbf").splitlines(), start=1):
-        if text := line.strip():
+        if text := line.strip(_AROUND):
             rows.append((number, text))
         elif rows:
             yield rows

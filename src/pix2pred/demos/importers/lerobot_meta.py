@@ -143,10 +143,10 @@ def read_info(source: Path) -> Info:
             raise DatasetError(file, f"has more than {MAX_BYTES} bytes")
         data = json.loads(file.read_bytes())
         version = data.get("codebase_version") if isinstance(data, dict) else None
-        known = re.match(r"v([23])(\.|$)", str(version))
+        known = re.match(r"v?([23])(\.|$)", str(version))
         if not known:
             message = f"the dataset's version is {str(version)[:20]!r}, this program reads v2 and v3"
-            raise DatasetError(file, f"{message}; LeRobot converts older ones")
+            raise DatasetError(file, f"{message}; LeRobot converts from version to version")
         doc = InfoDoc.model_validate(data)
     except ValidationError as error:
         first = error.errors()[0]
@@ -209,7 +209,7 @@ def _episodes_of_lines(source: Path) -> dict[int, RecordedEpisode]:
         raise DatasetError(file, message)
     episodes: dict[int, RecordedEpisode] = {}
     try:
-        with file.open(encoding="utf-8") as lines:
+        with file.open(encoding="utf-8-sig") as lines:
             while line := lines.readline(_LONGEST_LINE):
                 if line.strip():
                     episode = _episode(json.loads(line))

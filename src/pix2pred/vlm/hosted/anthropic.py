@@ -35,8 +35,10 @@ class Anthropic(Provider):
             made["anthropic_thinking"] = {"type": "enabled", "budget_tokens": max(thinking, _LEAST_THOUGHTS)}
         return made
 
-    def takes_temperature(self, thinking: int | None) -> bool:
-        return not thinking
+    def takes_temperature(self, model: str, thinking: int | None) -> bool:
+        from pydantic_ai.profiles.anthropic import anthropic_model_profile
+
+        return not thinking and not (anthropic_model_profile(model) or {}).get("anthropic_disallows_sampling_settings")
 
     def picture_tokens(self, width: int, height: int) -> int:
         """One for 750 pixels, of a picture shrunk to at most 1568 on its longer side."""

@@ -42,6 +42,8 @@ reports need for one picture question, and still allowed by models of 32,768 tok
 
 _CHARACTERS_IN_A_TOKEN = 6
 """More than any tokenizer makes of one token of our questions on average; pictures, which count too, are left out."""
+_FEWEST_CHARACTERS = 1
+"""Fewer characters of text for each token written mean that most of the tokens are thoughts which nobody sees."""
 _LOG = logging.getLogger("pix2pred")
 
 
@@ -179,7 +181,7 @@ class HostedVLM:
         settings = provider.settings(request, asked, left_out)
         settings |= {"max_tokens": self._budget(request, thinking), "timeout": flow.timeout}
         left = Parameter.TEMPERATURE in left_out or flow.temperature is None
-        if not left and provider.takes_temperature(asked):
+        if not left and provider.takes_temperature(self._model.model, asked):
             settings["temperature"] = request.temperature
         made: ModelSettings = ModelSettings(**settings)  # type: ignore[typeddict-item]
         return made
@@ -201,10 +203,15 @@ class HostedVLM:
         self._note_cut(request, usage.input_tokens)
         if refusal := details.get("refusal"):
             return Answer(str(refusal), finish=Finish.REFUSED, spent=spent)
+        spoke = bool(text.strip())
         finish = Finish.CUT_SHORT if unfinished else _FINISHES.get(response.finish_reason or "", Finish.COMPLETE)
-        if finish == Finish.CUT_SHORT and not text.strip():
-            self._never_spoke(thinking, spent)
-        self._spoke |= bool(text.strip())
+        if not spoke and usage.output_tokens >= self._budget(request, thinking):
+            finish = Finish.CUT_SHORT  # whatever the server calls it
+        if finish == Finish.CUT_SHORT and (not spoke or self._thought_away(text, usage.output_tokens)):
+            self._never_spoke(thinking, spent, spoke)
+        if not spoke and any(part.part_kind == "thinking" for part in response.parts):
+            raise _only_thought(spent)
+        self._spoke |= spoke
         return Answer(text, finish=finish, tokens=_tokens(details.get("logprobs"), text), spent=spent)
 
     def _note_cut(self, request: Request, counted: int) -> None:
@@ -219,8 +226,12 @@ class HostedVLM:
                 self.name, request.about or "a question", characters, len(request.views), counted,
             )  # fmt: skip
 
-    def _never_spoke(self, thinking: int, spent: Spent) -> NoReturn:
-        """An answer was cut short before it said anything: give more room for thinking, once.
+    def _thought_away(self, text: str, written: int) -> bool:
+        """Whether most of what was written is no text, and more room for it was not given yet."""
+        return not self._raised and len(text) < _FEWEST_CHARACTERS * written
+
+    def _never_spoke(self, thinking: int, spent: Spent, spoke: bool) -> NoReturn:
+        """An answer was cut short before it said anything, or much: give more room for thinking, once.
 
         Raises ``TransientError`` when the question is to be asked again, and ``VLMError`` when that was tried and the
         model has never said anything, or else ``NoAnswerError``.
@@ -231,7 +242,8 @@ class HostedVLM:
                 self._raised = True
                 self._thinking = max(4 * thinking, _RAISED)
             if self._thinking > thinking:
-                said = f"the answer was cut short after {spent.output_tokens} tokens, before it said anything"
+                much = "much" if spoke else "anything"
+                said = f"the answer was cut short after {spent.output_tokens} tokens, before it said {much}"
                 error = TransientError(said, retry_after=0.0)
             elif not self._spoke:
                 error = VLMError(
@@ -241,6 +253,15 @@ class HostedVLM:
                 )
         error.spent = spent
         raise error
+
+
+def _only_thought(spent: Spent) -> NoAnswerError:
+    error = NoAnswerError(
+        "the answer holds thinking and no text; a server that sorts thinking out may take all of an answer for it "
+        "(vLLM: --reasoning-parser)"
+    )
+    error.spent = spent
+    return error
 
 
 def _parameters(request: Request, left_out: frozenset[Parameter]) -> ModelRequestParameters:

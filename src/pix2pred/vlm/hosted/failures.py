@@ -44,23 +44,37 @@ _PARAMETERS = {
     Parameter.THINKING: re.compile(r"thinking|reasoning_?effort|budget_tokens", re.I),
 }
 _OTHER_BUDGET = re.compile(r"max_(completion_)?tokens\b.{0,120}(unsupported|not supported|instead|use)", re.I)
+_PICTURES = r"(?:\b(?:image|vision|picture|visual|multi-?modal)|image_url)"
+_UNABLE = r"(?:\b(?:no|not|cannot|unable|unsupported|unknown|missing|disabled|only (?:support|accept|by|model))\b|n't)"
+_TAKE = r"(?:support|accept|take|have|content|variant|required|is an?\b|an?\b)"
 _NO_IMAGES = re.compile(
-    r"image (input|inputs|content)?\s*(is|are)? ?not supported|mmproj|(not|n't) support (image|vision|multimodal)"
-    r"|not a (multimodal|vision)|(text|language).only model|no (vision|image) support|unknown .{0,30}image_url"
-    r"|image_url.{0,40}(not supported|unsupported|is not allowed)|multimodal .{0,40}(not|disabled)",
+    rf"mmproj|text.only|language.only|no {_PICTURES}|unknown .{{0,30}}image_url"
+    rf"|{_UNABLE}.{{0,40}}{_TAKE}.{{0,25}}{_PICTURES}|{_PICTURES}.{{0,20}}disabled"
+    rf"|{_PICTURES}.{{0,60}}(?:not|n't|only|un)[ -]?(?:be )?(?:support|accept|allow|enabled|available)",
     re.I,
 )
+_OTHER_FAULT = re.compile(
+    r"\bformats?\b|mime|media.?type|too (?:large|big|small)|\bsize|pixels|bytes|decod|corrupt|could not process", re.I
+)
+"""A picture is at fault, not all pictures."""
 _NO_MEMORY = re.compile(
     r"out of memory|(requires|needs) more .{0,20}memory|(insufficient|not enough) .{0,20}memory|CUDA error"
     r"|failed to (load|allocate)|unable to (load|allocate)",
     re.I,
 )
-_MOST_PICTURES = re.compile(
-    r"at most (\d+) ?image|(?:up to|maximum of|max(?:imum)?|limit(?: is)?:?) ?(\d+) (?:image|picture)", re.I
-)
 _TOO_MANY_PICTURES = re.compile(
-    r"too many (image|picture)s|number of images|images? .{0,40}(exceed|limit)|many-image", re.I
+    r"too many (?:image|picture)|(?:number|amount) of (?:image|picture)s|many-image|limit-mm-per-prompt"
+    r"|(?:images|pictures)\b.{0,60}(?:exceed|limit|maximum|at most)"
+    r"|(?:at most|up to|max(?:imum)?(?: of)?|limit(?:ed)?(?: is| of| to)?:?|only|more than) ?\d+ ?(?:image|picture)",
+    re.I,
 )
+_LARGE_PICTURE = re.compile(
+    r"\b(?:image|picture)\b.{0,80}(?:exceed|too (?:large|big)|larger than|at most|maximum).{0,60}"
+    r"(?:\bMi?B|bytes|pixel|px|size)"
+    r"|\b(?:image|picture) (?:size|dimension)s?.{0,40}(?:exceed|too (?:large|big)|larger|limit)",
+    re.I,
+)
+_NUMBER = re.compile(r"(?<![\d.])\d{1,3}(?![\d.]*\d)")
 _CERTIFICATE = re.compile(r"certificate|CERTIFICATE_VERIFY_FAILED|self.signed", re.I)
 _MARKUP = re.compile(r"</?[A-Za-z][^<>]{0,200}>")
 """Marks of a page, which proxies send in place of a message."""
@@ -127,12 +141,18 @@ def _refused(error: ai.ModelAPIError, model: HostedModel, key: str | None, reque
 def _lasting(message: str, status: int | None, model: HostedModel, said: str, request: Request) -> VLMError | None:
     """What no waiting mends and every question meets."""
     count = len(request.views)
-    if count and (most := _MOST_PICTURES.search(message) or _TOO_MANY_PICTURES.search(message)):
-        number = next((g for g in most.groups() if g and g.isdigit()), "N")
+    many = count and "many-image" in message.lower()
+    if count and not many and _LARGE_PICTURE.search(message):
+        return VLMError(
+            f"{model.name}: a picture is larger than the server takes ({said}); show smaller pictures with "
+            "--longest-side"
+        )
+    if count and _TOO_MANY_PICTURES.search(message):
+        number = max((n for n in map(int, _NUMBER.findall(message)) if 0 < n < max(count, 2)), default=None)
         remedy = (
             "a question about a change shows at least two, before and after: name another model"
-            if number in ("0", "1")
-            else f"set 'flow: {{max_pictures: {number}}}', which asks for proposals in parts, and with it "
+            if number == 1
+            else f"set 'flow: {{max_pictures: {number or 'N'}}}', which asks for proposals in parts, and with it "
             "'labels: {crops: false}' for fewer pictures of labels"
         )
         return VLMError(
@@ -144,7 +164,7 @@ def _lasting(message: str, status: int | None, model: HostedModel, said: str, re
             f"{model.name}: the question with its {count} pictures is more than the server or a proxy before it takes "
             f"({said}); show smaller pictures with --longest-side, or fewer with 'flow: {{max_pictures: N}}'"
         )
-    if count and _NO_IMAGES.search(message):
+    if count and _NO_IMAGES.search(message) and not _OTHER_FAULT.search(message):
         return VLMError(
             f"{model.name}: the model or its server takes no pictures ({said}); name a vision-language model, or start "
             "the server with the model's image projector (llama.cpp: --mmproj)"

@@ -39,7 +39,7 @@ class OpenAI(Provider):
     def thinking_tokens(self, model: str) -> int:
         return _THOUGHTS if _THINKS.match(model) and "chat" not in model else 0
 
-    def takes_temperature(self, thinking: int | None) -> bool:
+    def takes_temperature(self, model: str, thinking: int | None) -> bool:
         return not thinking
 
     def settings(self, request: Request, thinking: int | None, left_out: frozenset[Parameter]) -> dict[str, Any]:

@@ -43,5 +43,5 @@ class OpenAICompatible(OpenAI):
         """Whether a model of any name thinks is found out when an answer is cut short before it says anything."""
         return 0
 
-    def takes_temperature(self, thinking: int | None) -> bool:
+    def takes_temperature(self, model: str, thinking: int | None) -> bool:
         return True

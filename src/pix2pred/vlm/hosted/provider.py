@@ -73,8 +73,8 @@ class Provider(ABC):
             made["seed"] = 1000 * request.sample + request.attempt
         return made
 
-    def takes_temperature(self, thinking: int | None) -> bool:
-        """Whether a temperature may be sent beside a budget for thinking."""
+    def takes_temperature(self, model: str, thinking: int | None) -> bool:
+        """Whether a temperature may be sent to ``model`` beside a budget for thinking."""
         return True
 
     def key(self) -> str | None:
