@@ -6,8 +6,8 @@ The offline reader answers, some of its labels turned round (``--flip``), and ev
 been sent to ``--model``: text by characters, pictures by the provider's rule, dollars by the installed price list.
 Learning and the first states of ``--count`` unseen tasks are counted together. ``chain`` is the largest number of
 questions of which each needs the answer to the one before. With ``--json`` the last line is one object with the figures
-by protocol. With ``--out FILE`` every run is a line of that file, and those that are in it are not repeated; ``--minutes`` begins no
-run after that time.
+by protocol. With ``--out FILE`` every run is a line of that file, and those that are in it are not repeated;
+``--minutes`` begins no run after that time.
 """
 
 from __future__ import annotations
