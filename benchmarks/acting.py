@@ -19,7 +19,7 @@ import argparse
 import json
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -32,7 +32,7 @@ from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.registry import load_domain, load_planner, load_vlm
 from pix2pred.settings import of_project, resolve
-from pix2pred.structs import Episode, FromVLM, WorldModel
+from pix2pred.structs import Episode, FromVLM, State, WorldModel
 from pix2pred.structs.environment import Domain, SimulatedTask, asking_settings
 from pix2pred.structs.formats.world_model import dump_model, load_model
 from pix2pred.structs.samplers import Sampler
@@ -40,6 +40,7 @@ from pix2pred.vlm import VLM, Answer, Request
 from pix2pred.vlm.noise.errors import ErringVLM, Errors, Hidden, PerPicture, PerQuestion, Systematic, UntilTouched
 from pix2pred.vlm.noise.flips import FlippingVLM
 from pix2pred.vlm.offline.prompt_format import asked_atoms
+from seen_before import History, Redrawn, Reread
 
 KINDS = ("independent", "sticky-picture", "sticky-object", "systematic", "unknown")
 WAYS = ("belief", "replan", "votes", "open", "open-raw")
@@ -105,27 +106,49 @@ def names_the_error(episode: Episode, errors: Errors | None) -> bool:
     )
 
 
-def episodes(arguments: argparse.Namespace) -> tuple[list[Episode], Counter[str]]:
+@dataclass
+class Ground:
+    """What all conditions of one seed have in common: the model learned, the tasks, and what was drawn and read."""
+
+    domain: Domain
+    model: WorldModel
+    samplers: dict[str, Sampler]
+    tasks: Sequence[SimulatedTask]
+    reader: VLM
+    seen: dict[History, State] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, arguments: argparse.Namespace) -> Ground:
+        domain = load_domain(arguments.domain)
+        which = (domain, arguments.family, arguments.seed, arguments.train_rate, arguments.operators, arguments.out)
+        model, samplers = (learned_from_truth(*which), {}) if arguments.truth else learned(*which)
+        tasks = domain.tasks(arguments.family, arguments.seed, arguments.count)
+        return cls(domain, model, samplers, tasks, Reread(load_vlm("offline", domain.name)))
+
+    def environment(self, task: SimulatedTask, disturb: float) -> Redrawn:
+        """A fresh episode; states that an earlier one with the same skills came to are not drawn again."""
+        environment = self.domain.environment(task.task, task.simulator, disturb)
+        return Redrawn(environment, self.seen, (task.task.name, disturb))
+
+
+def episodes(arguments: argparse.Namespace, ground: Ground) -> tuple[list[Episode], Counter[str]]:
     """The tasks tried, and counts: of questions and atoms, and of episodes whose suspect is the systematic error."""
-    domain = load_domain(arguments.domain)
-    which = (domain, arguments.family, arguments.seed, arguments.train_rate, arguments.operators, arguments.out)
-    model, samplers = (learned_from_truth(*which), {}) if arguments.truth else learned(*which)
-    reader = load_vlm("offline", domain.name)
+    domain, model = ground.domain, ground.model
     count = Counter[str]()
     settings = LabelSettings(votes=3 if arguments.how == "votes" else 1)
     perceiving = {"belief": Believing(arguments.ask_again), "open": Believing(arguments.ask_again)}
     found, named = [], 0
-    for task in domain.tasks(arguments.family, arguments.seed, arguments.count):
+    for task in ground.tasks:
         errors: Errors | None = None
         if arguments.rate or arguments.kind == "systematic":
             errors = errors_of(arguments.kind, arguments.rate, arguments.seed, model, task)
-        environment = domain.environment(task.task, task.simulator, arguments.disturb)
-        answering = Truthful.about(domain, environment, task, model) if arguments.truth else reader
+        environment = ground.environment(task, arguments.disturb)
+        answering = Truthful.about(domain, environment.environment, task, model) if arguments.truth else ground.reader
         vlm: VLM = Counting(answering, count)
         vlm = ErringVLM(vlm, errors) if errors else vlm
         solver = Solver(
             model, load_planner("portfolio"), Labeller(vlm, settings), arguments.how not in ("open", "open-raw"),
-            samplers=samplers, perceiving=perceiving.get(arguments.how, AtTheirWord),
+            samplers=ground.samplers, perceiving=perceiving.get(arguments.how, AtTheirWord),
         )  # fmt: skip
         found.append(solver.solve(task.task, environment))
         named += names_the_error(found[-1], errors)
@@ -168,7 +191,7 @@ def parser() -> argparse.ArgumentParser:
 def main() -> None:
     arguments = parser().parse_args()
     start = time.process_time()
-    found, count = episodes(arguments)
+    found, count = episodes(arguments, Ground.of(arguments))
     if not arguments.json:
         for e in found:
             print(f"{e.task}: {e.failure or 'solved'} {e.detail}; {len(e.steps)} skills, {e.replans} new plans")

@@ -6,7 +6,8 @@ The offline reader answers, some of its labels turned round (``--flip``), and ev
 been sent to ``--model``: text by characters, pictures by the provider's rule, dollars by the installed price list.
 Learning and the first states of ``--count`` unseen tasks are counted together. ``chain`` is the largest number of
 questions of which each needs the answer to the one before. With ``--json`` the last line is one object with the figures
-by protocol. With ``--out FILE`` every run is a line of that file, and those that are in it are not repeated.
+by protocol. With ``--out FILE`` every run is a line of that file, and those that are in it are not repeated;
+``--minutes`` begins no run after that time.
 """
 
 from __future__ import annotations
@@ -14,9 +15,11 @@ from __future__ import annotations
 import argparse
 import json
 import threading
+import time
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -26,7 +29,8 @@ from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import labeller_for
 from pix2pred.registry import REGISTRY
 from pix2pred.settings import Layer, of_project, resolve
-from pix2pred.structs.environment import asking_settings
+from pix2pred.structs import Demo
+from pix2pred.structs.environment import Domain, SimulatedTask, asking_settings
 from pix2pred.vlm import VLM, Answer, Purpose, Request
 from pix2pred.vlm.control.estimate import EstimatingVLM
 from pix2pred.vlm.noise.flips import FlippingVLM
@@ -97,22 +101,28 @@ class Unstored:
         return Answer(self._model.answer(request).text)
 
 
-def run(protocol: str, family: str, seed: int, flip: float, count: int, given: Sequence[Layer], model: str) -> Row:
-    """The figures of one family and seed."""
+@lru_cache(maxsize=1)
+def drawn(family: str, seed: int, count: int) -> tuple[Domain, tuple[Demo, ...], Sequence[SimulatedTask], VLM]:
+    """What all runs of a family and seed share: demonstrations, tasks, and the reader with what it has read."""
     name, tasks_of = FAMILIES[family]
     domain = REGISTRY.domain(name)
+    demos, tasks = tuple(domain.demonstrations(tasks_of, seed)), domain.tasks(tasks_of, seed, count)
+    return domain, demos, tasks, REGISTRY.vlm("offline", name)
+
+
+def run(protocol: str, family: str, seed: int, flip: float, count: int, given: Sequence[Layer], model: str) -> Row:
+    """The figures of one family and seed."""
+    tasks_of = FAMILIES[family][1]
+    domain, demos, tasks, reader = drawn(family, seed, count)
     project = {"learning": dict(domain.settings(tasks_of)), **asking_settings(domain, tasks_of)}
     settings = resolve(of_project(project), Layer(PROTOCOLS[protocol], protocol), *given)
-    reader = REGISTRY.vlm("offline", name)
     answering = FlippingVLM(reader, flip, seed) if flip else reader
     counting = EstimatingVLM(lambda counted: counted(Unstored(answering)), REGISTRY.model_spec(model).rates)
     chains = Chains(counting)
-    demos = tuple(domain.demonstrations(tasks_of, seed))
     learned = learn(LearningProblem(domain.vocabulary(tasks_of), demos, chains, settings))
     longest = chains.longest
     labeller = labeller_for(chains, settings.labels)
     solver = Solver(learned.model, REGISTRY.planner("portfolio"), labeller, samplers=learned.samplers)
-    tasks = domain.tasks(tasks_of, seed, count)
     solved = sum(solver.solve(t.task, domain.environment(t.task, t.simulator)).solved for t in tasks)
     spent = counting.as_dict()
     return {
@@ -174,13 +184,14 @@ def main() -> None:
     parser.add_argument("--operators", default="robust", help="the learner, the same for every protocol")
     parser.add_argument("--config", default="{}", help="settings on top, as JSON")
     parser.add_argument("--out", type=Path, help="a file with a line per run; runs in it are not repeated")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no run after that time")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     learner = {"learning": {"operators": arguments.operators}}
     given = [Layer(learner, "--operators"), Layer(json.loads(arguments.config), "--config")]
     kept: Path | None = arguments.out
     done = [json.loads(text) for text in kept.read_text().splitlines()] if kept and kept.exists() else []
-    rows = []
+    rows, begun = [], time.monotonic()
     print("| protocol | family | seed | flipped | dollars | questions | atoms | tokens | chain | solved | selected |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
     for family, seed, flip, protocol in product(
@@ -189,6 +200,8 @@ def main() -> None:
         wanted = {"protocol": protocol, "family": family, "seed": seed, "flip": flip}
         row = next((r for r in done if wanted.items() <= r.items()), None)
         if row is None:
+            if time.monotonic() - begun > 60 * arguments.minutes:
+                return
             row = run(protocol, family, seed, flip, arguments.count, given, arguments.model)
             if kept:
                 with kept.open("a") as stream:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -20,6 +20,7 @@ from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.structs import (
     AbstractState,
+    Action,
     Atom,
     FromDomain,
     FromVLM,
@@ -140,6 +141,18 @@ def test_a_given_effect_that_does_not_show_speaks_against_the_preconditions() ->
     assert found.probability(DONE(A)) < 0.8 * before
 
 
+def test_a_reported_failure_speaks_against_the_preconditions_in_doubt_and_success_does_not() -> None:
+    def after(reported: StepStatus) -> float:
+        found = belief()
+        found.start(frozenset(), labels(a=True))
+        polish = operator("Polish", TAKE, [X, Y], {lifted(DONE, Y)}, {lifted(FREE, X)}, set())
+        before = found.probability(DONE(A))
+        found.advance(polish.ground((H, A)), reported, frozenset(), {})
+        return found.probability(DONE(A)) - before
+
+    assert after(StepStatus.STUCK) < -0.1 < after(StepStatus.DONE)
+
+
 def test_an_atom_that_is_always_misread_is_suspected_and_then_no_longer_listened_to() -> None:
     found = belief()
     found.start(frozenset(), labels(free=True, a=False, b=False))
@@ -240,7 +253,7 @@ TASK = Task("pack", (H, A, B), photo(0), (PACKED(A),))
 START = {"free(h)": "True", "done(a)": "False", "done(b)": "False"}
 
 
-def plan_from(state: AbstractState) -> PlanResult:
+def plan_from(state: AbstractState, avoided: Collection[Action] = ()) -> PlanResult:
     return Planner(AStar()).plan(OPERATORS, TASK.objects, state, TASK.goal)
 
 
@@ -277,7 +290,7 @@ def test_without_doubt_nothing_is_asked_again() -> None:
     pursuit = Pursuit(plan_from, TASK.goal, plan_from(perception.state).plan, perception)
     assert pursuit.next() == PREPARE_A
     perception.advance(PREPARE_A, photo(1), StepStatus.DONE)
-    pursuit.executed("Prepare", frozenset(), succeeded=True)
+    pursuit.executed(frozenset(), succeeded=True)
     assert pursuit.next() == TAKE_A and pursuit.turn == Turn.FOLLOWED
     assert [r.purpose for r in vlm.asked] == [Purpose.LABEL, Purpose.LABEL] and pursuit.replans == 0
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pix2pred.execution.belief.perception import Perception
 from pix2pred.execution.parameters import Parameters, executed
-from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, GivingUp, Pursuit
-from pix2pred.structs import AbstractState, Action, Atom, ExecutedStep, GroundOperator, PlanResult
+from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, GivingUp, PlanFrom, Pursuit
+from pix2pred.structs import Action, Atom, ExecutedStep, GroundOperator
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.plans import changes_between, signed
 
@@ -53,7 +53,7 @@ class ClosedLoop:
     ``max_replans``.
     """
 
-    plan_from: Callable[[AbstractState], PlanResult]
+    plan_from: PlanFrom
     goal: Sequence[Atom]
     max_replans: int = MAX_REPLANS
 
@@ -85,7 +85,7 @@ class ClosedLoop:
                 before, seen = perception.state, perception.advance(operator, environment.observe(), step.status)
                 steps[-1] = replace(steps[-1], observed=signed(changes_between(before, seen)))
                 succeeded = step.status == StepStatus.DONE and operator.add <= seen
-                pursuit.executed(str(action), before, succeeded=succeeded)
+                pursuit.executed(before, succeeded=succeeded)
         except GivenUpError as error:
             return failed(StepStatus.STUCK if error.kind == GivingUp.STUCK else None, str(error))
         return failed(None, "the goal seems to hold but does not")

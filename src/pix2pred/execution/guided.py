@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from pix2pred.execution.explaining.missing import Missing, missing
 from pix2pred.execution.explaining.scene import PlannedScene, listed
@@ -51,9 +52,12 @@ class Guided:
         self.step: GroundOperator | None = None
         self.ended = ""
         self._pursuit = Pursuit(
-            lambda seen: scene.solver.plan_from(scene.task, seen), scene.task.goal, scene.result.plan, scene.perception,
+            partial(scene.solver.plan_from, scene.task),
+            scene.task.goal,
+            scene.result.plan,
+            scene.perception,
             may_assume=may_assume,
-        )  # fmt: skip
+        )
         if scene.solved:
             self._advance()
         else:
@@ -122,7 +126,7 @@ class Guided:
         self.seen = after
         replans = self.replans
         try:
-            self._pursuit.executed(str(action), before, succeeded=step.add <= after)
+            self._pursuit.executed(before, succeeded=step.add <= after)
             self._advance()
         except GivenUpError as error:
             self.step, self.ended = None, str(error)

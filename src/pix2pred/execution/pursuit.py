@@ -9,20 +9,38 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Protocol
 
 from pix2pred.execution.belief.perception import Perception
 from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.monitor import necessary_atoms
-from pix2pred.structs import AbstractState, Atom, FromVLM, GroundOperator, PlanResult, PlanStatus, Turn, WhyAsked
+from pix2pred.structs import (
+    AbstractState,
+    Action,
+    Atom,
+    FromVLM,
+    GroundOperator,
+    PlanResult,
+    PlanStatus,
+    Turn,
+    WhyAsked,
+)
 
 MAX_REPLANS = 30
 """Plans made after the first; an episode that needs more goes in circles."""
 
 MOST_TRIES = 3
 """Times a skill may fail in states that look the same: with labels that are wrong now and then, once proves little."""
+
+MOST_DRAWS = 10
+"""The same for a skill with parameters, which are drawn anew each time."""
+
+MOST_WAYS = 3
+"""Actions that may fail so often in one and the same state, each when the ones before it are avoided; if three do not
+work where the learned operators say they do, more will not."""
 
 CAUTION = 40.0
 """What resting on a wrong atom costs, in skills: a wrong step may lead where no learned operator leads away, and then
@@ -33,6 +51,12 @@ MOST_CAUTIONS = 2
 
 MOST_NAMED = 3
 """Atoms named in a reason."""
+
+
+class PlanFrom(Protocol):
+    """Makes a plan from a state, one without the actions ``avoided``."""
+
+    def __call__(self, seen: AbstractState, /, avoided: Collection[Action] = ()) -> PlanResult: ...
 
 
 class GivingUp(StrEnum):
@@ -60,7 +84,7 @@ class Pursuit:
     probably not so, when there is no other.
     """
 
-    plan_from: Callable[[AbstractState], PlanResult]
+    plan_from: PlanFrom
     goal: Sequence[Atom]
     plan: Sequence[GroundOperator]
     perception: Perception
@@ -72,33 +96,38 @@ class Pursuit:
     because: tuple[Atom, ...] = ()
     _assumed: frozenset[Atom] = frozenset()
     _cautions: Counter[Atom] = field(default_factory=Counter)
-    _failures: Counter[tuple[AbstractState, str]] = field(default_factory=Counter)
+    _failures: Counter[tuple[AbstractState, Action]] = field(default_factory=Counter)
     _failed: GroundOperator | None = None
 
     def next(self) -> GroundOperator | None:
         """The step to execute now; None when the goal seems to hold.
 
-        Raises ``GivenUpError`` when no plan is found any more, or after ``max_replans`` new plans.
+        Raises ``GivenUpError`` when no plan is found any more, after ``max_replans`` new plans, or when a skill failed
+        too often in this state and there is no other way.
         """
         self.turn, self.because = Turn.FOLLOWED, ()
         needed = self._needed()
         self._check(needed)
-        if not needed <= self.perception.state | self._assumed:
+        chosen = self._step()
+        tried = chosen is not None and _action(chosen) in self._exhausted()
+        if tried or not needed <= self.perception.state | self._assumed:
             self._plan_again(needed)
         self._be_cautious()
-        chosen = self.plan[self.position] if self.position < len(self.plan) else None
+        chosen = self._step()
         if chosen is not None and chosen == self._failed:
             self.turn = Turn.REPEATED
         return chosen
 
-    def executed(self, action: str, before: AbstractState, *, succeeded: bool) -> None:
-        """The step was tried in the state ``before``. Raises ``GivenUpError`` when it failed there too often."""
-        self._failed = None if succeeded else self.plan[self.position]
+    def executed(self, before: AbstractState, *, succeeded: bool) -> None:
+        """The step was tried in the state ``before``."""
+        step = self.plan[self.position]
+        self._failed = None if succeeded else step
         if not succeeded:
-            self._failures[before, action] += 1
-            if self._failures[before, action] >= MOST_TRIES:
-                raise GivenUpError(GivingUp.STUCK, f"{action} failed again in a state that looks the same")
+            self._failures[before, _action(step)] += 1
         self.position += 1
+
+    def _step(self) -> GroundOperator | None:
+        return self.plan[self.position] if self.position < len(self.plan) else None
 
     def _needed(self) -> AbstractState:
         """What must hold now for the rest of the plan to succeed."""
@@ -116,10 +145,19 @@ class Pursuit:
         """Take a plan that does not rest on what is in doubt, if it is not much longer."""
         needed = self._needed() & self.perception.state
         doubted = [a for a in self.perception.doubts(needed) if self._cautions[a] < MOST_CAUTIONS]
-        safer = safer_plan(self.plan_from, self.perception, doubted, len(self.plan) - self.position)
+        safer = safer_plan(self._plan_from, self.perception, doubted, len(self.plan) - self.position)
         if safer is not None:
             self._cautions.update(doubted)
             self._adopt(safer, Turn.CAUTIOUS, doubted, ())
+
+    def _exhausted(self) -> Sequence[Action]:
+        """Actions that failed again and again in this state: what is believed of it is not all there is to it."""
+        state = self.perception.state
+        failures = {a: times for (where, a), times in self._failures.items() if where == state}
+        return [a for a, times in failures.items() if times >= (MOST_DRAWS if a.skill.dimension else MOST_TRIES)]
+
+    def _plan_from(self, state: AbstractState) -> PlanResult:
+        return self.plan_from(state, self._exhausted())
 
     def _plan_again(self, needed: AbstractState) -> None:
         lacking = needed - self.perception.state - self._assumed
@@ -127,12 +165,17 @@ class Pursuit:
             why = f"gave up after planning again {self.replans} times"
             raise GivenUpError(GivingUp.REPLANS, why)
         self.replans += 1
-        found = self.plan_from(self.perception.state)
+        exhausted = self._exhausted()
+        if len(exhausted) >= MOST_WAYS:
+            raise _stuck(exhausted)
+        found = self._plan_from(self.perception.state)
         if found.status == PlanStatus.SOLVED:
-            self._adopt(found.plan, Turn.PLANNED_AGAIN, lacking, ())
+            self._adopt(found.plan, Turn.OTHERWISE if exhausted else Turn.PLANNED_AGAIN, lacking, ())
             return
-        nearest = nearest_plan(self.plan_from, self.goal, self.perception)
+        nearest = nearest_plan(self._plan_from, self.goal, self.perception)
         if nearest is None or (nearest.assumed and not self.may_assume):
+            if exhausted:
+                raise _stuck(exhausted)
             missing = ", ".join(str(a) for a in sorted(lacking)[:MOST_NAMED])
             why = f"no plan any more ({found.status}) after {missing} turned out not to hold"
             raise GivenUpError(GivingUp.NO_PLAN, why)
@@ -144,6 +187,14 @@ class Pursuit:
     ) -> None:
         self.plan, self.position, self.turn = plan, 0, turn
         self.because, self._assumed = tuple(sorted(because)), frozenset(assumed)
+
+
+def _stuck(exhausted: Sequence[Action]) -> GivenUpError:
+    return GivenUpError(GivingUp.STUCK, f"{exhausted[-1]} failed again in a state that looks the same")
+
+
+def _action(step: GroundOperator) -> Action:
+    return Action(step.operator.skill, step.skill_objects)
 
 
 def safer_plan(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
+from pix2pred.execution.avoiding import plan_avoiding
 from pix2pred.execution.belief.perception import AtTheirWord, Believing, Perceiving, Perception
 from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, open_loop
 from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
@@ -15,6 +17,7 @@ from pix2pred.planning import TaskPlanner
 from pix2pred.predicates import StateLabeller
 from pix2pred.structs import (
     AbstractState,
+    Action,
     Episode,
     Failure,
     FromVLM,
@@ -66,7 +69,7 @@ class Solver:
         seen = perception.state
         outcome = None
         if result.status == PlanStatus.SOLVED and self.closed_loop:
-            loop = ClosedLoop(lambda now: self.plan_from(task, now), task.goal)
+            loop = ClosedLoop(partial(self.plan_from, task), task.goal)
             outcome = loop.run(result.plan, perception, environment, self._parameters(task, announce))
         elif result.status == PlanStatus.SOLVED:
             outcome = open_loop(result.plan, environment, self._parameters(task, announce))
@@ -113,9 +116,9 @@ class Solver:
             if perception.ask(perception.doubts(resting | made), WhyAsked.IN_DOUBT):
                 found = self.plan_from(task, perception.state)
             doubted = perception.doubts(initial_needs(found.plan, task.goal) & perception.state)
-            safer = safer_plan(lambda state: self.plan_from(task, state), perception, doubted, len(found.plan))
+            safer = safer_plan(partial(self.plan_from, task), perception, doubted, len(found.plan))
             return found if safer is None else PlanResult(found.status, tuple(safer), found.nodes, found.seconds)
-        nearest = nearest_plan(lambda state: self.plan_from(task, state), task.goal, perception)
+        nearest = nearest_plan(partial(self.plan_from, task), task.goal, perception)
         if nearest is None or (nearest.assumed and not self.closed_loop):
             return found
         return PlanResult(PlanStatus.SOLVED, tuple(nearest.plan), found.nodes, found.seconds)
@@ -123,9 +126,10 @@ class Solver:
     def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
         return Parameters.for_task(self.samplers, self.seed, task, announce)
 
-    def plan_from(self, task: Task, seen: AbstractState) -> PlanResult:
-        """A plan for ``task`` from the state ``seen``."""
-        found = self.planner.plan(self.model.operators, task.objects, seen, task.goal)
+    def plan_from(self, task: Task, seen: AbstractState, avoided: Collection[Action] = ()) -> PlanResult:
+        """A plan for ``task`` from the state ``seen``, without the actions ``avoided``."""
+        given = (self.model.operators, task.objects, seen, task.goal)
+        found = plan_avoiding(self.planner, *given, avoided) if avoided else self.planner.plan(*given)
         if len(found.plan) > self.max_skills:
             return PlanResult(PlanStatus.BUDGET, (), found.nodes, found.seconds)
         return found

@@ -8,7 +8,7 @@ from pix2pred.predicates.initial import is_asked, local_values
 from pix2pred.predicates.labelling.asking import Occurrence
 from pix2pred.predicates.labelling.state_labels import StateLabeller, StateLabels, StepToLabel, UnusableAnswersError
 from pix2pred.predicates.labelling.table import ground_atoms
-from pix2pred.structs import AbstractState, Action, Atom, Label, Object, Predicate, State
+from pix2pred.structs import AbstractState, Action, Atom, FromSkills, Label, Object, Predicate, State
 
 
 class Abstraction:
@@ -30,7 +30,9 @@ class Abstraction:
         self._labeller = labeller
         atoms = ground_atoms(predicates, objects)
         self._asked = [a for a in atoms if is_asked(a)]
-        self._local = [a for a in atoms if not is_asked(a)]
+        local = [a for a in atoms if not is_asked(a)]
+        self._seen = [a for a in local if not isinstance(a.predicate.source, FromSkills)]
+        self._declared = [a for a in local if isinstance(a.predicate.source, FromSkills)]
         self._states: list[State] = []
         self._actions: list[Action] = []
         self._labels = StateLabels({}, "")
@@ -67,5 +69,8 @@ class Abstraction:
         return self._labels
 
     def _held(self) -> AbstractState:
-        local = {a for a in self._local if local_values(a, self._states, self._actions)[-1] == Label.TRUE}
-        return frozenset(local | {a for a, value in self._labels.values.items() if value == Label.TRUE})
+        latest = self._states[-1:]
+        seen = (a for a in self._seen if local_values(a, latest, ())[-1] == Label.TRUE)
+        declared = (a for a in self._declared if local_values(a, self._states, self._actions)[-1] == Label.TRUE)
+        read = (a for a, value in self._labels.values.items() if value == Label.TRUE)
+        return frozenset((*seen, *declared, *read))

@@ -57,6 +57,7 @@ class Turn(StrEnum):
     FOLLOWED = "the plan goes on"
     PLANNED_AGAIN = "the plan was made anew"
     REPEATED = "the skill had failed and is tried again"
+    OTHERWISE = "another way is tried because a skill failed again and again"
     ASSUMED = "the plan rests on what is in doubt"
     CAUTIOUS = "the plan avoids to rest on what is in doubt"
 

@@ -1,8 +1,8 @@
 """The belief about one scene: log odds per atom, carried through skills and joined with labels (method 8.6).
 
 The model is a hidden Markov chain per atom (as in learning), with three sources of evidence that are kept apart: what
-came before and what skills did, what labels said since, and what invariants say. Given atoms are certain. A skill whose
-given effects are seen, or not, tells about its preconditions as well.
+came before and what skills did, what labels said since, and what invariants say. Given atoms are certain. A skill that
+reports failure, or whose given effects are seen or not, tells about its preconditions as well.
 """
 
 from __future__ import annotations
@@ -225,17 +225,18 @@ class Belief:
     def _worked(
         self, step: GroundOperator, reported: StepStatus | None, certain: AbstractState, exact: Sequence[Atom]
     ) -> _Worked:
-        """How likely what is known for certain after ``step`` is, if it had its effects, and if it had not."""
+        """How likely the report and what is known for certain after ``step`` are, if it had its effects, and if not."""
         settings = self._settings
-        works = {None: 1 - settings.fails_unreported, StepStatus.DONE: 1 - settings.fails}.get(
-            reported, settings.works_stuck
-        )
-        seen, unseen = 1.0, 1.0
+        works, seen, unseen = 1 - settings.fails_unreported, 1.0, 1.0
+        if reported is StepStatus.DONE:
+            works = 1 - settings.fails
+        elif reported is not None:
+            seen, unseen = settings.false_alarm, settings.noticed
         changed = [a for a in exact if (a in self.certain) != (a in step.add)]
         if changed:
             occurred = all((a in certain) == (a in step.add) for a in changed)
-            seen = 1 - settings.unseen if occurred else settings.unseen
-            unseen = settings.unseen if occurred else 1 - settings.unseen
+            seen *= 1 - settings.unseen if occurred else settings.unseen
+            unseen *= settings.unseen if occurred else 1 - settings.unseen
         return _Worked(works, settings.works_without, seen, unseen)
 
     def _blame(self, step: GroundOperator, worked: _Worked) -> None:
@@ -253,7 +254,7 @@ class _Worked:
     """Whether a skill had its effects.
 
     ``works`` is the prior probability when all preconditions hold, ``without`` when not; ``seen`` and ``unseen`` are
-    the likelihoods of what is known for certain afterwards if it had its effects, and if it had not.
+    the likelihoods of what is reported and known for certain afterwards if it had its effects, and if it had not.
     """
 
     works: float
@@ -263,7 +264,7 @@ class _Worked:
 
     def prior(self, holding: float) -> float:
         """The probability of success when the preconditions hold with probability ``holding``."""
-        return self.works * holding + min(self.works, self.without) * (1 - holding)
+        return self.works * holding + self.without * (1 - holding)
 
     def likelihood(self, holding: float) -> float:
         """How likely the outcome is."""

@@ -16,11 +16,12 @@ class BeliefSettings:
     probability that an atom is always misread: it bounds what any number of equal labels can show.
 
     Skills. ``fails`` is the probability that a skill whose preconditions hold and which reports success did not have
-    its effects, ``fails_unreported`` the same when nobody reports (a person executes it), ``works_stuck`` that a skill
-    which reports failure had its effects. ``works_without`` is the probability that a skill works although a learned
-    precondition does not hold: some learned preconditions are superfluous. ``unseen`` is the probability that given
-    effects are not seen although the skill worked (the scene was disturbed). ``drift`` is the probability, per skill,
-    that an atom changes which the skill does not mention.
+    its effects, ``fails_unreported`` the same before anybody reports (a person who executes it does not). ``noticed``
+    is the probability that a skill without its effects reports failure, ``false_alarm`` that one with them does.
+    ``works_without`` is the probability that a skill works although a learned precondition does not hold: some learned
+    preconditions are superfluous. ``unseen`` is the probability that given effects are not seen although the skill
+    worked (the scene was disturbed). ``drift`` is the probability, per skill, that an atom changes which the skill does
+    not mention.
 
     ``doubt`` is the probability of being wrong from which on an atom is in doubt, and ``unlikely`` the one below which
     nothing is done for the sake of an atom. ``certain`` bounds every probability away from 0 and 1.
@@ -35,7 +36,8 @@ class BeliefSettings:
     misread: float = 0.005
     fails: float = 0.005
     fails_unreported: float = 0.05
-    works_stuck: float = 0.05
+    noticed: float = 0.9
+    false_alarm: float = 0.003
     works_without: float = 0.5
     unseen: float = 0.05
     drift: float = 0.01

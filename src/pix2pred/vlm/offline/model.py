@@ -118,9 +118,12 @@ def inputs(scene: Scene, projections: Mapping[str, Projection], names: Sequence[
     """What a classifier sees of objects that all have usable crops."""
     parts = []
     for name, type_name in zip(names, types, strict=True):
-        crops = scene.crops(name)
-        assert crops is not None, f"{name} has no crops"
-        parts += [projections[type_name](crops), scene.surroundings(name)]
+        if (name, type_name) not in scene.sights:
+            crops = scene.crops(name)
+            assert crops is not None, f"{name} has no crops"
+            codes = projections[type_name](crops)
+            scene.sights[name, type_name] = np.concatenate([codes, scene.surroundings(name)])
+        parts.append(scene.sights[name, type_name])
     if len(names) == 2:
         parts.append(scene.relation(*names))
     return np.concatenate(parts)

@@ -40,7 +40,10 @@ def is_blank(image: PIL.Image.Image, box: Box) -> bool:
 
 @dataclass(slots=True)
 class Scene:
-    """One picture being read; crops are kept because many words ask about the same object."""
+    """One picture being read; crops, and what one reader makes of them, are kept: many words ask about an object.
+
+    ``sights`` holds the latter by the object's name and type.
+    """
 
     blocks: ClassVar[tuple[int, ...]] = (SIDE**2 * 3, SIDE**2 * 3)
     """Lengths of the parts of a crop vector."""
@@ -49,6 +52,7 @@ class Scene:
 
     picture: Picture
     image: PIL.Image.Image = field(init=False)
+    sights: dict[tuple[str, str], Vector] = field(default_factory=dict)
     _crops: dict[str, Vector | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
