@@ -7,10 +7,13 @@ from collections.abc import Callable
 from pix2pred.planning import (
     FF,
     AStar,
+    Bounded,
     EasyFF,
     ExternalPlanner,
+    FollowRelaxed,
     GreedyBestFirst,
     Heuristic,
+    LazyBatches,
     LazyGreedy,
     Planner,
     Polished,
@@ -41,7 +44,14 @@ SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
 PORTFOLIOS: dict[str, Callable[[], Search]] = {
     "portfolio": lambda: Portfolio((AStar(max_nodes=5_000), GreedyBestFirst())),
     "quick": lambda: Polished(
-        Portfolio((GreedyBestFirst(max_nodes=2_000), LazyGreedy(EasyFF, max_nodes=200_000), GreedyBestFirst()))
+        Portfolio(
+            (
+                FollowRelaxed(),
+                Bounded(lambda nodes: GreedyBestFirst(max_nodes=nodes), 2_000, 1_000, 2_000_000),
+                LazyBatches(),
+                LazyGreedy(EasyFF, max_nodes=200_000),
+            )
+        )
     ),
 }
 """``portfolio``, the default, plans optimally where that is cheap, else greedily; ``quick`` is for large tasks.

@@ -9,11 +9,13 @@ from pix2pred.planning.heuristics.lmcut import LMCut
 from pix2pred.planning.heuristics.lmcut_costs import landmark_cut
 from pix2pred.planning.planner import Planner, TaskPlanner
 from pix2pred.planning.search.astar import AStar
+from pix2pred.planning.search.batches import LazyBatches
 from pix2pred.planning.search.bounded import Bounded
 from pix2pred.planning.search.greedy import GreedyBestFirst
 from pix2pred.planning.search.lazy import LazyGreedy
 from pix2pred.planning.search.polished import Polished
 from pix2pred.planning.search.portfolio import Portfolio
+from pix2pred.planning.search.relaxed import FollowRelaxed
 from pix2pred.planning.search.search import Search, SearchResult
 from pix2pred.planning.strips import Strips
 from pix2pred.planning.validate import is_valid
@@ -26,11 +28,13 @@ __all__ = [
     "Evaluation",
     "ExternalPlanner",
     "ExternalPlannerError",
+    "FollowRelaxed",
     "GreedyBestFirst",
     "GroundTask",
     "GroundingBudgetError",
     "Heuristic",
     "LMCut",
+    "LazyBatches",
     "LazyGreedy",
     "Planner",
     "Polished",

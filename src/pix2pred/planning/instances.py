@@ -49,11 +49,17 @@ class Schema:
     """What messages call it."""
     binds: tuple[int, ...] = ()
     """Parameters of each precondition, as bits."""
+    fixed: Binding = field(default_factory=list)
+    """Parameters that can be one object alone, such as constants, are that object from the beginning."""
+    known: int = 0
+    """The fixed parameters, as bits."""
     access: dict[tuple[int, int], tuple[_Table, Key]] = field(default_factory=dict)
     """(precondition, bound parameters as bits): the table to look in, and the key that a binding gives."""
 
     def __post_init__(self) -> None:
         self.binds = tuple(sum(1 << v for v in set(p[1:])) for p in self.pre)
+        self.fixed = [next(iter(values)) if len(values) == 1 else -1 for values in self.allowed]
+        self.known = sum(1 << v for v, value in enumerate(self.fixed) if value >= 0)
 
     @property
     def cost(self) -> int:
@@ -61,7 +67,10 @@ class Schema:
         return max(1, len(self.allowed) // CHEAP_PARAMETERS)
 
     def impossible(self) -> bool:
-        """Whether parameters that must all be different are more than the objects that they may be."""
+        """Whether parameters that must be different cannot be, because objects are too few."""
+        for value, others in zip(self.fixed, self.apart, strict=True):
+            if value >= 0 and any(self.fixed[w] == value for w in others):
+                return True
         together: list[int] = []
         for v, others in enumerate(self.apart):
             if all(w in others for w in together):
@@ -107,7 +116,7 @@ class Instances:
                 triggers[precondition[0]].append((s, i))
         for s, schema in enumerate(schemas):
             if not schema.pre and not schema.impossible():
-                self._complete(s, [-1] * len(schema.allowed))
+                self._complete(s, schema.fixed)
         for fact in self._queue:  # grows while it is worked off
             if fact not in self.facts:
                 self.facts[fact] = None
@@ -120,10 +129,10 @@ class Instances:
     def _join(self, s: int, i: int, fact: Fact) -> None:
         """Instances of schema ``s`` whose precondition ``i`` is ``fact``, all others known."""
         schema = self._schemas[s]
-        binding = [-1] * len(schema.allowed)
+        binding = schema.fixed.copy()
         if _bind(schema, schema.pre[i], fact, binding):
             rest = tuple(k for k in range(len(schema.pre)) if k != i)
-            self._extend(s, rest, schema.binds[i], binding)
+            self._extend(s, rest, schema.known | schema.binds[i], binding)
 
     def _extend(self, s: int, rest: tuple[int, ...], bound: int, binding: Binding) -> None:
         """Match the preconditions ``rest``, the one with the fewest matches first: counted, not guessed."""

@@ -27,11 +27,21 @@ class FF(Heuristic):
         return None if found is None else found.estimate
 
     def evaluate(self, state: int) -> Evaluation | None:
+        found = self._plan(state)
+        return None if found is None else Evaluation(len(found[0]), found[1])
+
+    def relaxed_plan(self, state: int) -> list[int] | None:
+        """The operators of the delete-free plan from ``state``, those that others need rather before them."""
+        found = self._plan(state)
+        return None if found is None else list(reversed(found[0]))
+
+    def _plan(self, state: int) -> tuple[dict[int, None], int] | None:
+        """A delete-free plan, from the goal backwards, and as bits those of its operators that apply at once."""
         achiever = self._achievers(state)
         if achiever is None:
             return None
         used: set[int] = set()
-        plan: set[int] = set()
+        plan: dict[int, None] = {}
         helpful = 0
         open_facts = list(bits(self._goal & ~state))
         wanted = self._goal
@@ -43,12 +53,12 @@ class FF(Heuristic):
             pre, _, k = self._ways[way]
             needs = pre & ~state
             if k < self._count:
-                plan.add(k)
+                plan[k] = None
                 if not needs:
                     helpful |= 1 << k
             open_facts.extend(bits(needs & ~wanted))
             wanted |= needs
-        return Evaluation(len(plan), helpful)
+        return plan, helpful
 
     def _achievers(self, state: int) -> Callable[[int], int] | None:
         """What tells the operator that achieves a fact; ``None`` when the goal cannot be reached from ``state``."""

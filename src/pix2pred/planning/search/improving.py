@@ -18,6 +18,12 @@ from pix2pred.planning.strips import Strips
 WEIGHTS = (5, 3, 2, 1)
 """How much the estimate counts against what was spent, search after search (as in Fast Downward's LAMA)."""
 
+LONG_PLAN = 150
+"""Steps from which on needless ones are left out in their order: all together costs their number to the third power."""
+
+VERY_LONG_PLAN = 2_000
+"""Steps from which on even that, which costs their number squared, takes more than a second."""
+
 
 @dataclass(frozen=True, slots=True)
 class Improved:
@@ -49,8 +55,13 @@ def cost_of(task: Strips, plan: Sequence[int]) -> int:
 
 
 def without_needless_steps(task: Strips, plan: Sequence[int]) -> tuple[int, ...]:
-    """``plan`` without steps that can be left out together with all that depend on them, dearest parts first."""
+    """``plan`` without steps that can be left out together with all that depend on them, dearest parts first.
+
+    Of a long plan they are left out in their order, and a very long one stays as it is.
+    """
     best = tuple(plan)
+    if len(best) > LONG_PLAN:
+        return _without_in_order(task, best) if len(best) <= VERY_LONG_PLAN else best
     shorter = True
     while shorter:
         shorter = False
@@ -58,6 +69,18 @@ def without_needless_steps(task: Strips, plan: Sequence[int]) -> tuple[int, ...]
         if candidates:
             best, shorter = min(candidates, key=lambda left: (cost_of(task, left), len(left))), True
     return best
+
+
+def _without_in_order(task: Strips, plan: tuple[int, ...]) -> tuple[int, ...]:
+    """``plan`` without the steps that it does not need, looked for from the first one on."""
+    i = 0
+    while i < len(plan):
+        left = _without(task, plan, i)
+        if left is None or cost_of(task, left) > cost_of(task, plan):
+            i += 1
+        else:
+            plan = left
+    return plan
 
 
 def _without(task: Strips, plan: Sequence[int], leave_out: int) -> tuple[int, ...] | None:

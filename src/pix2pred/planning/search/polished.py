@@ -24,12 +24,15 @@ Shortened = tuple[tuple[int, ...], int]
 class Polished:
     """Plans with ``search``, then shortens: a window of steps is planned anew, the next one half a window later.
 
-    ``passes`` over the plan are (steps of a window, nodes for each window); all together take ``nodes`` nodes.
+    ``passes`` over the plan are (steps of a window, nodes for each window); all together take ``nodes`` nodes, or fewer
+    where nodes times operators would be more than ``visits``. Nothing is done where they do not suffice for
+    a window.
     """
 
     search: Search
     passes: tuple[tuple[int, int], ...] = ((8, 200), (16, 800))
     nodes: int = 4_000
+    visits: int = 4_000_000
 
     def __call__(self, task: Strips) -> SearchResult:
         """Search ``task``; the plan costs at most what the plan of ``search`` does."""
@@ -38,9 +41,10 @@ class Polished:
             return found
         plan = without_needless_steps(task, found.plan)
         spent = 0
+        nodes = min(self.nodes, self.visits // max(1, len(task.pre)))
         if type(task) is Strips:  # what a rest of a plan needs is not known where effects have conditions
-            for window, each in self.passes:
-                plan, created = self._windows(task, plan, window, each, self.nodes - spent)
+            for window, each in self.passes if nodes >= self.passes[0][1] else ():
+                plan, created = self._windows(task, plan, window, each, nodes - spent)
                 spent += created
         return SearchResult(found.status, plan, found.nodes + spent)
 

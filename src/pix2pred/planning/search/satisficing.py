@@ -31,19 +31,22 @@ class Satisficing(ABC):
 
     ``heuristic`` builds the estimate for a task, with the operators it prefers; ``max_nodes`` bounds the nodes.
     Where operators differ in costs, which the search itself does not look at, its plan is made cheaper afterwards, with
-    ``improving_nodes`` nodes.
+    ``improving_nodes`` nodes, or fewer where nodes times operators would be more than ``improving_visits``.
     """
 
     heuristic: Callable[[Strips], Heuristic] = FF
     max_nodes: int = 1_000_000
     improving_nodes: int = 20_000
+    improving_visits: int = 4_000_000
 
     def __call__(self, task: Strips) -> SearchResult:
         """Search ``task``. Complete: every state that is no dead end is expanded at most once."""
         found = self._first(task)
         if not task.costs or found.status != PlanStatus.SOLVED:
             return found
-        better = improved(task, found.plan, self.heuristic, min(self.improving_nodes, self.max_nodes - found.nodes))
+        by_work = self.improving_visits // max(1, len(task.pre))
+        nodes = min(self.improving_nodes, by_work, self.max_nodes - found.nodes)
+        better = improved(task, found.plan, self.heuristic, nodes)
         return SearchResult(found.status, better.plan, found.nodes + better.nodes)
 
     @abstractmethod
