@@ -43,7 +43,7 @@ def test_the_rejected_atoms_are_where_the_message_says(cli: Cli, model: Model, d
 
 NO_LABELS: dict[str, Callable[[Request], str]] = {
     "html": always("<html>502 Bad Gateway</html>"),
-    "german": lambda r: sees(r).replace("True", "Wahr").replace("False", "Falsch"),
+    "swahili": lambda r: sees(r).replace("True", "Kweli").replace("False", "Uongo"),
     "invented": always("* burning(l1): True\n* lit(l9): True"),
 }
 

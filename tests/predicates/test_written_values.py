@@ -82,6 +82,74 @@ def test_the_place_of_the_word_is_in_the_answer_as_given(answer: str) -> None:
     assert parsed.places[ATOM] < len(answer) and not answer[parsed.places[ATOM]].isspace()
 
 
+FORMS = {
+    "arrow": "* {a}: {other} ⟶ {v}",
+    "thick arrow": "* {a}: {other} ➜ {v}",
+    "dashes": "* {a}: {other} --> {v}",
+    "words": "* {a}: changed from {other} to {v}",
+    "to": "* {a}: {other} to {v}",
+    "was, now": "* {a}: was {other}, now {v}",
+    "previously": "* {a}: previously {other}; currently {v}",
+    "expected": "* {a}: expected {other}, observed {v}",
+    "before in brackets": "* {a}: {v} (previously {other})",
+    "question": "* {a}? {v}",
+    "odd spaces": "*\u00a0{a}:\u2009\u200b{v}",
+    "right to left": "\u200f* {a}: \u202b{v}\u202c",
+    "objects": '{{"atom": "{a}", "value": "{v}"}}',
+    "objects with truth": '{{ "predicate": "{a}", "truth_value": {v} }}',
+    "explained by its opposite": "* {a}: {v}. It would be {other} if it moved.",
+    "weighed": "* {a}: {v}, and not {other}",
+}
+"""Both values in a line, of which one is right."""
+
+NO_VALUE = {
+    "before, after": "* {a}: {other} (before), {v} (after)",
+    "no longer": "* {a}: {other} no longer; {v}",
+    "waiting": "* {a}: {other}... wait, {v}",
+    "actually": "* {a}: {other}. Actually, {v}.",
+    "corrected": "* {a}: {other} – no, {v}",
+    "on condition": "* {a}: {other} if the lid were open, else {v}",
+    "with a choice": "* {a} (True/False): {v}",
+    "struck out": "* {a}: ~~{other}~~ {v}",
+    "hesitating": "* {a}: {other}? No: {v}",
+}
+
+TWO = {"lit(a)": TRUE, "lit(b)": FALSE}
+
+
+def written(form: str) -> str:
+    """Both lamps in ``form``."""
+    other = {TRUE: "False", FALSE: "True"}
+    return "\n".join(form.format(a=a, v=other[FALSE if v == TRUE else TRUE], other=other[v]) for a, v in TWO.items())
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_of_two_values_in_a_line_the_right_one_is_read(form: str) -> None:
+    assert parse_labels(written(FORMS[form]), list(TWO)).values == TWO
+
+
+@pytest.mark.parametrize("form", NO_VALUE)
+def test_a_value_that_is_taken_back_is_none(form: str) -> None:
+    assert parse_labels(written(NO_VALUE[form]), list(TWO)).values == {}
+
+
+@pytest.mark.parametrize("words", [
+    ("wahr", "falsch"), ("Vrai", "Faux"), ("Ja", "Nein"), ("да", "нет"), ("はい", "いいえ"), ("T", "F"), ("Y", "N"),
+    ("Vero", "Falso"), ("Verdadeiro", "Falso"),
+])  # fmt: skip
+def test_words_of_other_languages_are_read_alone_and_not_within_a_sentence(words: tuple[str, str]) -> None:
+    text = f"* lit(a): {words[0]}\n* lit(b): {words[1]}."
+    assert parse_labels(text, list(TWO)).values == TWO
+    assert parse_labels(f"lit(a): {words[0]} change", [ATOM]).values == {}
+
+
+@pytest.mark.parametrize("denial", ["not ", "NOT ", "¬", "¬ ", "!", "~"])
+def test_a_denied_atom_is_never_taken_for_the_atom(denial: str) -> None:
+    assert parse_labels(f"* {denial}lit(a): True", [ATOM]).values == {ATOM: FALSE}
+    assert parse_labels(f"* {denial}lit(a): False", [ATOM]).values == {}, "false that it is not, or simply false?"
+    assert parse_labels("Look! lit(a): True", [ATOM]).values == {ATOM: TRUE}
+
+
 ROWS = [{"atom": "lit(a)", "value": "True"}, {"atom": "lit(b)", "value": "False", "explanation": "dark"}]
 SHAPES = {
     "as asked": json.dumps({"expected_changes": "e", "observed_changes": "o", "values": ROWS}),

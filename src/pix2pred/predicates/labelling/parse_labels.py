@@ -12,38 +12,59 @@ from pix2pred.predicates.proposing.parse_atoms import clean, kept, mentions
 from pix2pred.structs import Label
 
 _SYNONYMS: Mapping[Label, str] = {
-    Label.TRUE: "yes 1 ✓ ✔ ✅ ☑ verdadero cierto sí si 真 是 对 正确",
-    Label.FALSE: "no 0 ✗ ✘ ❌ ✕ falso 假 否 错 错误",
-    Label.UNKNOWN: "desconocido 未知 不确定",
+    Label.TRUE: "yes y t 1 ✓ ✔ ✅ ☑ verdadero cierto sí si wahr ja vrai oui vero verdadeiro 真 是 对 正确 はい 참 да",
+    Label.FALSE: "no n f 0 ✗ ✘ ❌ ✕ falso falsch nein faux non não 假 否 错 错误 偽 いいえ 거짓 нет ложь",
+    Label.UNKNOWN: "desconocido unbekannt inconnu sconosciuto desconhecido 未知 不确定 不明",
 }
 """Other words for the three values. They count only where nothing but punctuation follows: "No change" is no "No"."""
 _WORDS: Mapping[str, Label] = {label.word: label for label in Label}
 ALL_WORDS = dict(_WORDS) | {word: label for label, words in _SYNONYMS.items() for word in words.split()}
 """What every word for a value means, in small letters."""
-_WORD = r"([A-Za-zí]+|[01](?![\w.])|真|是|对|正确|假|否|错误|错|未知|不确定|[✓✔✅☑✗✘❌✕])"
+_WORD = r"([^\W\d_]+|[01](?![\w.])|[✓✔✅☑✗✘❌✕])"
 _SOMETHING = r"[\"'_ \t]*"
 _VALUE = re.compile(rf"[ \t]*(?:[:：]|={{1,3}})[ \t]*{_WORD}")
 _ALONE = r"(?=[ \t]*\w+[ \t.]*(?:\n|\Z))"
 """Before a word that ends its line."""
 _LINE_VALUE = re.compile(
-    rf"{_SOMETHING}(?:[:|：→]|={{1,3}}>?|->|-|–|—|is(?: now| still)?\b{_ALONE}|[:：]?[ \t]*\n[ \t>+\-]*{_ALONE})"
-    rf"{_SOMETHING}{_WORD}"
+    rf"{_SOMETHING}(?:[:|：?→]|={{1,3}}>?|->|-|–|—|is(?: now| still)?\b{_ALONE}|[:：]?[ \t]*\n[ \t>+\-]*{_ALONE}"
+    rf"|,{_SOMETHING}(?:truth_)?(?:value|label|truth|holds){_SOMETHING}:){_SOMETHING}{_WORD}"
 )
-"""After an atom that begins a line, more is understood: quotes, arrows, dashes, table cells, the line below."""
-_THEN = re.compile(rf"{_SOMETHING}(?P<how>->|=>|→|⇒|/|\||or\b|\?){_SOMETHING}{_WORD}?", re.IGNORECASE)
+"""After an atom that begins a line, more is understood: quotes, arrows, dashes, table cells, the line below, JSON."""
+_ARROW = r"[-=~]{1,3}>|[\u2190-\u21ff\u2794-\u27bf\u27f0-\u27ff\u2900-\u297f]|to\b"
+_THEN = re.compile(rf"{_SOMETHING}(?P<how>(?P<arrow>{_ARROW})|/|\||or\b|\?){_SOMETHING}{_WORD}?", re.IGNORECASE)
 """What may follow a value and say that it does not decide: a change to another, a choice, a question."""
-_ARROWS = ("->", "=>", "→", "⇒")
-_CHANGED = re.compile(
-    r"[^.\n]{0,30}\b(?:changed|changes|becomes|became|turned|now|corrected)\b[^.\n]{0,12}?\b(true|false|unknown)\b",
+_TRUTH = r"(true|false|unknown)\b"
+_WITHDRAWN = re.compile(
+    rf"[^.\n]{{0,30}}\b(?:changed|changes|becomes|became|turned|now|corrected)\b[^.\n]{{0,12}}?\b{_TRUTH}"
+    r"|\s*[(\[]\s*(?:before|previous|previously|old|earlier|initial|initially|at first|expected)\s*[)\]]"
+    r"|[\s,;.…–—-]*(?:no longer|not any ?more|no more)\b"
+    r"|[\s,;.…–—-]*(?:wait|hmm|actually|correction|rather|sorry|scratch that|on second thoughts?|i mean|no[,:;.–—])"
+    rf"[^\n]{{0,80}}?\b{_TRUTH}|[\s,(]*(?:if|unless)\b[^\n]{{0,80}}?\b{_TRUTH}",
     re.IGNORECASE,
 )
+"""What may follow a value and take it back, unless the word at its end is the same value."""
+_FROM_TO = re.compile(
+    r"[ \t]*[:：=|][ \t]*(?:it |has )?(?:was|changed from|from|previously|before|expected|initially)\b"
+    r"[ \t:]*(?:true|false|unknown)\b[^\w\n]{0,4}(?:and |but )?(?:it )?(?:is |has )?"
+    rf"(?:now|currently|to|observed|after(?:wards)?|became|becomes)\b[ \t:]*(?:it )?(?:is |as )?{_TRUTH}",
+    re.IGNORECASE,
+)
+"""A value with the one before it."""
+_DENIED = re.compile(r"(?:\bnot[ \t]*[(]?|¬)[ \t]*\Z|(?<![\w~!])[!~]\Z", re.IGNORECASE)
+"""What makes an atom its opposite when it stands before it."""
 _ENDS = re.compile(r"[ \t]*(?:[.,;:!。，；)\]}|\"'_…(–—-]|\n|\Z)")
-_WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)}
-"""Full-width letters, digits and signs, to plain ones: one character for one."""
+_WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | dict.fromkeys(
+    (0xA0, 0x3000, 0xFEFF, *range(0x2000, 0x2010), *range(0x202A, 0x2030), *range(0x205F, 0x206A)), " "
+)
+"""Full-width letters, digits and signs, to plain ones; odd and invisible spaces to one: a character for a character."""
 _QUOTED = re.compile(r"\([^()\n]{0,200}[\"'“”‘’][^()\n]{0,200}\)")
 _ATOM_AHEAD = r"(?![ \t]*[A-Za-z_][\w\-]*[ \t]*\([^()]*\)[ \t]*[:=])"
 _THIRD_SECTION = re.compile(rf"^[ \t#>\-]*(?:section[ \t]*)?3[.):]{_ATOM_AHEAD}", re.IGNORECASE | re.MULTILINE)
-_LINE_START = re.compile(r"\n[ \t>#+\-\d.)|\"'_•–]*\Z")
+_LINE_START = re.compile(
+    r"\n[ \t>#+\-\d.)|\"'_•–]*(?:\{\s*[\"'](?:atom|predicate|fact|name)[\"']\s*:\s*[\"'])?"
+    r"(?:not[ \t]*[(]?|[¬!~])?[ \t]*\Z",
+    re.IGNORECASE,
+)
 
 
 Value = TypeVar("Value")
@@ -133,9 +154,12 @@ def _statements(text: str) -> Iterator[_Statement]:
     for mention in mentions(text):
         near = "\n" + text[: mention.start] if mention.start < 20 else text[mention.start - 20 : mention.start]
         leads = _LINE_START.search(near) is not None
-        if word := (_LINE_VALUE if leads else _VALUE).match(text, mention.end):
+        behind = mention.end
+        if word := _FROM_TO.match(text, behind) or (_LINE_VALUE if leads else _VALUE).match(text, behind):
             value = _decided(text, word)
             undecided = value is None and word[1].lower() in _WORDS
+            if _DENIED.search(near):
+                undecided, value = value != Label.TRUE, Label.FALSE if value == Label.TRUE else None
             yield _Statement(str(mention), value, mention.start, word.start(1), leads, undecided)
 
 
@@ -145,14 +169,16 @@ def _decided(text: str, word: re.Match[str]) -> Label | None:
     if value is None or (word[1].lower() not in _WORDS and not _ENDS.match(text, end)):
         return None
     while then := _THEN.match(text, end):
-        other = ALL_WORDS.get((then[2] or "").lower())
-        if then["how"] == "?" or (other is not None and other != value and then["how"] not in _ARROWS):
+        other = ALL_WORDS.get((then[3] or "").lower())
+        if then["how"] == "?" or (other is not None and other != value and not then["arrow"]):
             return None
         if other is None:
             break
         value, end = other, then.end()
-    changed = _CHANGED.match(text, end)
-    return None if changed and _WORDS[changed[1].lower()] != value else value
+    if withdrawn := _WITHDRAWN.match(text, end):
+        said = next((word for word in withdrawn.groups() if word), None)
+        return value if said and _WORDS[said.lower()] == value else None
+    return value
 
 
 class QueriedAtoms:
