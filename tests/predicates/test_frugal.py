@@ -13,11 +13,11 @@ from pix2pred.predicates import (
     labeller_for,
     proposed_pool,
 )
-from pix2pred.predicates.frugal.definitions import Definition, meaning_lines, read_definition
+from pix2pred.predicates.frugal.definitions import Definition, read_definition
 from pix2pred.predicates.frugal.histories import HistoryFormat
 from pix2pred.predicates.frugal.proposing import lift_words, new_kinds, propose_words, read_words
 from pix2pred.predicates.labelling.asking import Occurrence
-from pix2pred.predicates.prompt import kind_lines
+from pix2pred.predicates.prompt import kind_lines, meaning_lines
 from pix2pred.structs import Action, Demo, FromVLM, Label, Object, Predicate, Skill, Type
 from pix2pred.vlm import Purpose, Request, Together
 from pix2pred.vlm.offline.prompt_format import defined_words

@@ -101,6 +101,10 @@ def test_filled_second_looks() -> None:
     answers = [looking.ask(demo().states[0], 0, demo().objects, atom, number) for number in range(3)]
     check("filled_label_again", shown(vlm.asked[0]))
     check("filled_label_against", shown(vlm.asked[1]))
+    looking.ask(
+        demo().states[0], 0, demo().objects, replace(atom, predicate=replace(COOKED, description="It is brown.")), 0
+    )
+    check("filled_label_again_with_meaning", shown(vlm.asked.pop()))
     assert answers == [Label.TRUE] * 3
     assert [r.sample for r in vlm.asked] == [0, 0, 1], "a wording that is used again is another sample"
     assert len({r.key("m") for r in vlm.asked}) == 3

@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from string import Template
 
-from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, State, Type
+from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, Predicate, State, Type
 from pix2pred.structs.skills import FAILED
 from pix2pred.structs.views import LONGEST_SIDE, View
 
@@ -60,6 +60,21 @@ def atom_text(atom: Atom) -> str:
     source = atom.predicate.source
     phrase = source.phrase if isinstance(source, FromVLM) else atom.predicate.name
     return f"{phrase}({', '.join(o.prompt_name for o in atom.objects)})"
+
+
+def meaning_lines(predicates: Iterable[Predicate]) -> str:
+    """One line per word: its types, its meaning, and whether it never changes.
+
+    A word that is used for several types with the same meaning has one line.
+    """
+    lines: dict[tuple[str, int, str], list[str]] = {}
+    for predicate in sorted(predicates):
+        source = predicate.source
+        word = source.phrase if isinstance(source, FromVLM) else predicate.name
+        stays = isinstance(source, FromVLM) and not source.changes
+        says = (predicate.description or "as the word says") + (" It never changes." if stays else "")
+        lines.setdefault((word, predicate.arity, says), []).append(f"({', '.join(t.name for t in predicate.types)})")
+    return "\n".join(f"- {word}{', '.join(types)}: {says}" for (word, _, says), types in lines.items())
 
 
 def views(

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from pix2pred.predicates.prompt import meaning_lines
 from pix2pred.structs import Atom, FromVLM, Predicate, Skill
 
 _STAYS = re.compile(r"\b(?:stays?|static|never)\b", re.IGNORECASE)
@@ -60,21 +61,6 @@ def is_placeholder(meaning: str) -> bool:
 def _words(text: str) -> tuple[str, ...]:
     found = (re.sub(r"[\s\-]+", "_", word.strip(" .`\"'")) for word in text.split(","))
     return tuple(dict.fromkeys(word for word in found if _WORD.match(word)))
-
-
-def meaning_lines(predicates: Iterable[Predicate]) -> str:
-    """One line per word: its types, its meaning, and whether it never changes.
-
-    A word that is used for several types with the same meaning has one line.
-    """
-    lines: dict[tuple[str, int, str], list[str]] = {}
-    for predicate in sorted(predicates):
-        source = predicate.source
-        word = source.phrase if isinstance(source, FromVLM) else predicate.name
-        stays = isinstance(source, FromVLM) and not source.changes
-        says = (predicate.description or "as the word says") + (" It never changes." if stays else "")
-        lines.setdefault((word, predicate.arity, says), []).append(f"({', '.join(t.name for t in predicate.types)})")
-    return "\n".join(f"- {word}{', '.join(types)}: {says}" for (word, _, says), types in lines.items())
 
 
 def defined_lines(predicates: Iterable[Predicate]) -> str:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from pix2pred.images import skill_crop
 from pix2pred.predicates.frugal.definitions import meanings_of, skill_lines
 from pix2pred.predicates.frugal.histories import History, HistoryFormat
-from pix2pred.predicates.frugal.proposing import NOTHING
 from pix2pred.predicates.labelling.asking import Asked, Asker, Occurrence, in_batches
 from pix2pred.predicates.labelling.parse_labels import value_lines
 from pix2pred.predicates.labelling.settings import LabelSettings
@@ -157,15 +156,16 @@ class FrugalLabeller:
         known = stretch.known
         before = value_lines({atom_text(a): known[a] for a in sorted(atoms, key=atom_text) if a in known})
         actions = [f"{t}. {action_text(a)}" for t, a in enumerate(stretch.actions, start=stretch.start)]
+        skills = skill_lines(a.skill for a in stretch.actions)
         number = f"number {stretch.start} leads from state {stretch.start} to state {stretch.start + 1}, and so on"
         return fill(
             "frugal_label",
             meanings=meanings_of(atoms),
-            skills=skill_lines(a.skill for a in stretch.actions) or NOTHING,
+            skills=f"\nSkills of the robot:\n{skills}\n" if skills else "\n" if self.settings.hints else "",
             hints="".join(f"{hint}\n" for hint in self.settings.hints),
             objects=object_lines(stretch.objects),
             kinds=kind_lines(stretch.objects),
-            actions=f"({number})\n" + "\n".join(actions) if actions else NOTHING,
+            actions="\n".join(["", "Executed skills:", f"({number})", *actions, ""]) if actions else "",
             twice=TWICE if any(WORD_MARK in a.predicate.name for a in atoms) else "",
             crops=f"{crops} of the pictures show only the part of the scene a skill was about.\n" if crops else "",
             previous=f"Values in state {stretch.start}, as answered earlier:\n<previous>\n{before}\n</previous>\n"

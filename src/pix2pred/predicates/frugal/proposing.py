@@ -9,11 +9,10 @@ from pix2pred.predicates.frugal.definitions import (
     Definition,
     defined_lines,
     is_placeholder,
-    meaning_lines,
     read_definition,
     skill_lines,
 )
-from pix2pred.predicates.prompt import action_text, fill, kind_lines, object_lines
+from pix2pred.predicates.prompt import action_text, fill, kind_lines, meaning_lines, object_lines
 from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.predicates.proposing.propose import (
     ANSWER_TOKENS,

@@ -13,7 +13,7 @@ from pix2pred.predicates.labelling.asking import TOKENS_OF_REASONING, TOKENS_PER
 from pix2pred.predicates.labelling.parse_labels import parse_labels
 from pix2pred.predicates.labelling.state_labels import StateLabeller
 from pix2pred.predicates.labelling.structured import as_text, schema
-from pix2pred.predicates.prompt import atom_text, fill, object_lines, views
+from pix2pred.predicates.prompt import atom_text, fill, meaning_lines, object_lines, views
 from pix2pred.structs import Atom, Label, Object, State
 from pix2pred.structs.views import View
 from pix2pred.vlm import NoAnswerError, Request
@@ -38,7 +38,9 @@ class SecondLook:
         """
         settings = self.labeller.settings
         text = atom_text(atom)
-        question = fill(WORDINGS[number % len(WORDINGS)], objects=object_lines(objects), atoms=text)
+        meaning = f"\nMeaning:\n{meaning_lines([atom.predicate])}\n" if atom.predicate.description else ""
+        wording = WORDINGS[number % len(WORDINGS)]
+        question = fill(wording, objects=object_lines(objects), meaning=meaning, atoms=text)
         request = Request(
             Purpose.ASK_AGAIN,
             (question, *self._pictures(state, t, objects, atom, number)),
