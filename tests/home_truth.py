@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,16 @@ def true_table(domain: HomeDomain, predicates: Mapping[Predicate, str], value: V
         demos.append(LabelledDemo(recipe.name, objects, domain.actions_of(recipe, worlds[0]), goal, atoms, values))
     candidates = tuple(Candidate(p, float(p.arity)) for p in sorted(predicates))
     return TruthTable(domain.rules.given, candidates, tuple(demos))
+
+
+def with_wrong_labels(truth: TruthTable, rate: float, seed: int) -> TruthTable:
+    """The same with a share ``rate`` of what a model labels turned round, given predicates included."""
+    rng, demos = np.random.default_rng([seed, 7]), []
+    for demo in truth.demos:
+        seen = np.array([isinstance(a.predicate.source, FromVLM) for a in demo.atoms])
+        wrong = (rng.random(demo.values.shape) < rate) & seen
+        demos.append(replace(demo, values=np.where(wrong, 1 - demo.values, demo.values).astype(np.int8)))
+    return replace(truth, demos=tuple(demos))
 
 
 def _holds(domain: HomeDomain, world: World, atom: Atom, predicates: Mapping[Predicate, str], value: ValueOf) -> bool:

@@ -15,6 +15,7 @@ from typing import Protocol
 
 from pix2pred.learning import Advice, LearningSettings, Selection, advise, hill_climbing
 from pix2pred.learning.invariants import acquaint
+from pix2pred.learning.operators.contrary_words import with_contrary_words
 from pix2pred.learning.operators.shared_words import with_shared_words
 from pix2pred.learning.samplers.learn import learn_samplers
 from pix2pred.learning.strategies import stopping_rule
@@ -144,7 +145,8 @@ def whole_pool(problem: LearningProblem) -> Pool:
 def label(problem: LearningProblem, pool: Pool) -> Labelling:
     """The values of all initial and candidate atoms in all states (method 3-4).
 
-    With ``lift_types``, candidates of one word about sibling types are then one candidate.
+    With ``lift_types``, candidates of one word about sibling types are then one candidate. Words that the model named
+    as contraries are candidates, too.
     """
     settings = problem.settings
     problem.progress(Stage.LABEL, 0, len(problem.demos), "")
@@ -156,9 +158,10 @@ def label(problem: LearningProblem, pool: Pool) -> Labelling:
         progress=problem.progress,
         max_atoms=settings.flow.max_atoms,
     )
+    table = labelling.table
     if settings.learning.lift_types:
-        return replace(labelling, table=with_shared_words(labelling.table, problem.vocabulary.skills))
-    return labelling
+        table = with_shared_words(table, problem.vocabulary.skills)
+    return replace(labelling, table=with_contrary_words(table))
 
 
 def ask(problem: LearningProblem, pool: PoolMaker = whole_pool) -> Gathered:

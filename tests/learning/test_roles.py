@@ -93,7 +93,17 @@ def test_two_predicates_that_pay_only_together_are_found_behind_one_that_turns_o
 @pytest.mark.parametrize(("pairs", "expected"), [(0, {"away"}), (1, {"contains_coffee", "inside"})])
 def test_two_predicates_that_pay_only_together_are_found_behind_each_other(pairs: int, expected: set[str]) -> None:
     """No candidate is taken on trial, so that after the first one none pays by itself."""
-    settings = ExplainedEffortSettings(trials=0, pairs=pairs)
+    settings = ExplainedEffortSettings(trials=0, pairs=pairs, restarts=0)
+    learner, objective = operator_learner(ROBUST), demo_objective(ROBUST)
+    selection = HillClimbing(learner, objective, ExplainedEffort(settings), 2).fit(coffee())
+    assert {p.name for p in selection.selected} == expected
+
+
+@pytest.mark.parametrize(("restarts", "expected"), [(0, {"away"}), (1, {"contains_coffee", "inside"})])
+def test_a_climb_that_ends_with_charges_is_tried_again_without_its_first_choice(
+    restarts: int, expected: set[str]
+) -> None:
+    settings = ExplainedEffortSettings(trials=0, pairs=0, restarts=restarts)
     learner, objective = operator_learner(ROBUST), demo_objective(ROBUST)
     selection = HillClimbing(learner, objective, ExplainedEffort(settings), 2).fit(coffee())
     assert {p.name for p in selection.selected} == expected

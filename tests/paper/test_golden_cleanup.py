@@ -32,7 +32,8 @@ CONCEPTS = {
     PREDICATES["NoObjectsOnTop"]: "clear",
     PREDICATES["IsOn"]: "on_table",
 }
-SETTINGS = LearningSettings.model_validate(DOMAIN.settings("new-objects"))
+PUBLISHED = {**DOMAIN.settings("new-objects"), "operators": "cluster-and-intersect"}
+SETTINGS = LearningSettings.model_validate(PUBLISHED)
 
 
 @cache
@@ -69,3 +70,22 @@ def test_novel_goals_have_the_printed_lengths_and_are_reached(family: str, lengt
 def test_the_other_variants_are_solved(family: str, index: int) -> None:
     start = DOMAIN.start(family, 1, index)
     assert home_truth.planned_and_run(DOMAIN, start, operators(), CONCEPTS, concept_value)
+
+
+def test_the_robust_learner_learns_the_printed_operators_too() -> None:
+    """And those of the rare classes, which it does not drop."""
+    shapes = [
+        {repr(home_truth.ordered(home_truth.shape(op)[1:])) for op in ops}
+        for ops in (learn_operators(table(), LearningSettings()), golden.load_operators("cleanup"))
+    ]
+    assert shapes[1] < shapes[0] and len(shapes[0]) == len(shapes[1]) + 1
+
+
+@pytest.mark.parametrize(("rate", "seed"), [(0.0, 0), (0.02, 1), (0.02, 2), (0.02, 3)])
+def test_the_robust_learner_is_right_with_wrong_labels(rate: float, seed: int) -> None:
+    found = hill_climbing(home_truth.with_wrong_labels(table(), rate, seed), LearningSettings()).run()
+    assert {p.name for p in found.selected} == set(PREDICATES)
+    for family in DOMAIN.families[:5]:
+        assert home_truth.planned_and_run(
+            DOMAIN, DOMAIN.start(family, seed, 0), found.operators, CONCEPTS, concept_value
+        )

@@ -41,7 +41,8 @@ def value(world: World, concept: str, names: Sequence[str]) -> bool:
     return concept_value(world, concept, names)
 
 
-SETTINGS = LearningSettings.model_validate(DOMAIN.settings("new-objects"))
+PUBLISHED = {**DOMAIN.settings("new-objects"), "operators": "cluster-and-intersect"}
+SETTINGS = LearningSettings.model_validate(PUBLISHED)
 
 
 @cache
@@ -91,3 +92,22 @@ def test_a_party_is_planned_in_the_fewest_skills_and_reached(index: int) -> None
     """Three juices at three juicers: a longer plan could rest on what the printed operators do not know."""
     start = DOMAIN.start("party", 0, index)
     assert home_truth.planned_and_run(DOMAIN, start, operators(), BY_PREDICATE, value) == 15
+
+
+def test_the_robust_learner_learns_the_printed_operators_too() -> None:
+    """And those of the rare classes, which it does not drop."""
+    shapes = [
+        {repr(home_truth.ordered(home_truth.shape(op)[1:])) for op in ops}
+        for ops in (learn_operators(table(), LearningSettings()), golden.load_operators("juice"))
+    ]
+    assert shapes[1] < shapes[0] and len(shapes[0]) == len(shapes[1]) + 1
+
+
+@pytest.mark.parametrize(("rate", "seed"), [(0.0, 0), (0.02, 1), (0.02, 2), (0.02, 3)])
+def test_the_robust_learner_is_right_with_wrong_labels(rate: float, seed: int) -> None:
+    found = hill_climbing(home_truth.with_wrong_labels(table(), rate, seed), LearningSettings()).run()
+    assert {"LidClosed", "JuiceMachineOpen", "NearJuiceValve", "InsideWasteValveRegion"} <= {
+        p.name for p in found.selected
+    }
+    for family in DOMAIN.families[:5]:
+        assert home_truth.planned_and_run(DOMAIN, DOMAIN.start(family, seed, 0), found.operators, BY_PREDICATE, value)

@@ -6,7 +6,7 @@ one numbering in sorted order, so comparing indices compares names.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -130,6 +130,22 @@ class IndexedTable:
             for d, states in enumerate(self._extensions)
         ]
         new._effects = [new._changes(p) if p in extensions else effects for p, effects in enumerate(self._effects)]
+        return new
+
+    def with_goals_reached(self, predicates: Collection[int]) -> IndexedTable:
+        """The same, with the goals of demonstrations true in their last states as far as they are about ``predicates``:
+        a demonstration reaches its goal by definition (method 1.4), whatever its last labels say."""
+        reached: dict[int, list[list[Extension]]] = {}
+        for p in sorted({p for demo in self.demos for p, _ in demo.goal if p in predicates}):
+            values = [[self.extension(d, s, p) for s in range(demo.states)] for d, demo in enumerate(self.demos)]
+            for d, demo in enumerate(self.demos):
+                values[d][-1] |= {args for q, args in demo.goal if q == p}
+            reached[p] = values
+        new = self.relabelled(reached)
+        new._unknown = [
+            [*states[:-1], {p: args.difference(a for q, a in demo.goal if q == p) for p, args in states[-1].items()}]
+            for states, demo in zip(self._unknown, self.demos, strict=True)
+        ]
         return new
 
     def before(self, transition: int, predicate: int) -> Extension:

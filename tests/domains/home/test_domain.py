@@ -26,9 +26,7 @@ def test_settings_and_vocabulary_are_the_published_ones(name: str) -> None:
     domain: Domain = DOMAINS[name]
     assert list(domain.families[:5]) == FIVE
     threshold = {"cleanup": 100, "juice": 0}[name]
-    assert domain.settings(FIVE[0]) == {
-        "operators": "cluster-and-intersect", "h_pre_frac": 1.0, "h_data_frac": 0.4, "j_threshold": threshold,
-    }  # fmt: skip
+    assert domain.settings(FIVE[0]) == {"h_pre_frac": 1.0, "h_data_frac": 0.4, "j_threshold": threshold}
     assert isinstance(domain, Asking)
     asking = asking_settings(domain, FIVE[0])
     settings = Settings.model_validate({"learning": domain.settings(FIVE[0]), **asking})

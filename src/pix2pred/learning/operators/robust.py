@@ -54,6 +54,7 @@ class RobustOperators:
         given = range(data.initial)
         self._exact = [p for p in given if not isinstance(data.predicates[p].source, FromVLM)]
         noisy = [p for p in range(len(data.predicates)) if p not in set(self._exact)]
+        data = data.with_goals_reached(set(noisy))
         self._base = told_apart(data, self._exact, [p for p in noisy if p < data.initial], settings)
         self._posterior = HiddenMarkovLabels(settings.labels, settings.roles).fit(data, self._base, noisy)
         self._base_of = {m.transition: c for c, cls in enumerate(self._base) for m in cls.members}

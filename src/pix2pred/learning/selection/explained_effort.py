@@ -15,7 +15,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from pix2pred.learning.objective.objective import Score
 from pix2pred.learning.objective.planning_effort import BACKTRACK
 from pix2pred.learning.operators.learner import OperatorModel
-from pix2pred.learning.selection.projections import is_projection
+from pix2pred.learning.selection.conditions import is_condition
+from pix2pred.learning.selection.projections import is_contrary, is_projection
 from pix2pred.learning.selection.stopping_rule import ScoredSet, best_explained
 
 
@@ -45,6 +46,11 @@ class ExplainedEffortSettings(BaseModel):
         description="candidates behind which all others are tried when those taken in advance did not pay: in Coffee "
         "only a full jug and an occupied machine together save the back-track that every demonstration is charged",
     )  # fmt: skip
+    restarts: int = Field(
+        3, ge=0,
+        description="climbs that begin with another predicate, while charges are left at the end: a first choice that "
+        "stands in for two others (a cluttered table for a thing on it and a scribble) can bar the way to both",
+    )  # fmt: skip
     left: float = Field(
         0.55, gt=0, lt=1,
         description="share of J that may be left when a candidate that saves no charges is taken all the same. Chosen "
@@ -65,6 +71,16 @@ class ExplainedEffortSettings(BaseModel):
         0.01, ge=0,
         description="share by which a predicate's J, and by which its doubt, may exceed those of a coarser one that it "
         "determines, and still be taken in its place: equal but for ties",
+    )  # fmt: skip
+    contrary_left: float = Field(
+        0.9, gt=0, lt=1,
+        description="share of J that may be left when the contrary of a chosen predicate is taken as well. It says "
+        "nothing new at test time, so that less has to speak for it: Juice's open lid leaves 0.78, and what is not "
+        "needed 0.93 and more (competition workloads, Juice and Cleanup)",
+    )  # fmt: skip
+    contrary_errors: float = Field(
+        0.02, ge=0, lt=0.5, description="share of states in which a predicate and its contrary may agree all the same: "
+        "what repair leaves of two labels in a hundred that are wrong",
     )  # fmt: skip
 
 
@@ -123,6 +139,9 @@ class ExplainedEffort:
             : self.settings.pairs
         ]
 
+    def restarts(self, reached: Score) -> int:
+        return self.settings.restarts if reached.charges >= self.settings.charges else 0
+
     def doubtful(self, model: OperatorModel, chosen: Sequence[int]) -> Sequence[int]:
         return [p for p in chosen if model.doubt(p) > self.settings.doubtful]
 
@@ -132,6 +151,16 @@ class ExplainedEffort:
             doubts[0] < doubts[1]
             and other.score.charges <= reached.score.charges + self.settings.charges
             and self._weighed(other.score.total, doubts[0]) < self._weighed(reached.score.total, doubts[1])
+        )
+
+    def contraries(self, model: OperatorModel, reached: ScoredSet, candidates: Sequence[int]) -> Sequence[int]:
+        share = self.settings.contrary_errors
+        return [p for p in candidates if any(is_contrary(model.data, p, q, share) for q in reached.chosen)]
+
+    def negates(self, model: OperatorModel, reached: ScoredSet, other: ScoredSet) -> bool:
+        """Whether J falls because a skill, whatever else it does, is never used where the predicate holds."""
+        return other.score.total <= self.settings.contrary_left * reached.score.total and any(
+            is_condition(model, other, skill) for skill in range(len(model.data.skills))
         )
 
     @property

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from pix2pred.learning.objective.objective import DemoQuery, Map, Objective, Score
+from pix2pred.learning.objective.objective import Map, Objective, Score
 from pix2pred.learning.objective.planning_effort import DemoObjective
 from pix2pred.learning.operators.learner import OperatorLearner, OperatorModel
 from pix2pred.learning.operators.transition_class import to_operator
 from pix2pred.learning.selection.candidates import distinct_candidates
-from pix2pred.learning.selection.result import ClimbEnd, ClimbStep, RunnerUp, Selection
+from pix2pred.learning.selection.reconsidering import Reconsideration
+from pix2pred.learning.selection.result import ClimbEnd, ClimbStep, Selection
+from pix2pred.learning.selection.scored_sets import Effort, ScoredSets
 from pix2pred.learning.selection.stopping_rule import Reconsidering, ScoredSet, StoppingRule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Operator, Predicate, TruthTable
-from pix2pred.system.progress import Progress, Stage, silent
-
-BATCH = 8
-"""Candidates taken to their next demonstration at a time: enough for the workers of one machine, and few enough that a
-better bound is used soon. Results depend on it in ties alone, so it is fixed rather than the number of workers."""
-
-SHOWN_RUNNERS_UP = 10
-"""Other candidates that a step of the result names."""
+from pix2pred.system.progress import Progress, silent
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +42,16 @@ class HillClimbing:
         return Climb(self, data, pinned)
 
 
+@dataclass(slots=True)
+class Reached:
+    """The best set of a climb, the sets with one candidate more, the steps that led there, and why it ended."""
+
+    best: ScoredSet
+    singly: Sequence[ScoredSet]
+    steps: list[ClimbStep]
+    end: ClimbEnd
+
+
 class Climb:
     """One climb over one table. ``run`` selects; ``score`` gives J of any set."""
 
@@ -57,8 +61,9 @@ class Climb:
         self._data = self._model.data
         self._pinned = tuple(sorted(self._data.predicates.index(p) for p in pinned))
         self._objective = Objective(self._model, parts.objective, parts.map_)
-        self._representatives = distinct_candidates(self._model, self._pinned, parts.static_demos)
-        self._evaluations = self._scored = self._budget_hits = 0
+        representatives = distinct_candidates(self._model, self._pinned, parts.static_demos)
+        effort = Effort(evaluations=1, scored=1)  # the start
+        self._sets = ScoredSets(self._model, self._rule, self._objective, representatives, self._pinned, effort)
 
     @property
     def model(self) -> OperatorModel:
@@ -67,102 +72,73 @@ class Climb:
 
     def run(self, progress: Progress = silent) -> Selection:
         """Climb until the rule says to stop or nothing improves J; then learn the final operators."""
-        data = self._data
-        classes = self._model.partition((*range(data.initial), *self._pinned))
-        score = self._objective.score(self._pinned, classes)
-        current = ScoredSet(-1, self._pinned, classes, score)
-        self._evaluations = self._scored = 1
-        self._budget_hits = score.budget_hits
-        steps = [ClimbStep(None, score.total, score.demos, ())]
+        start = self._sets.set_of(self._pinned)
+        self._sets.effort.budget_hits += start.score.budget_hits
+        found = self._climb(start, self._sets, progress)
+        rule = self._rule
+        if isinstance(rule, Reconsidering):
+            found = self._from_elsewhere(rule, start, found, progress)
+        ever = list(found.best.chosen)
+        if isinstance(rule, Reconsidering):
+            kept = found.best.chosen
+            for better, step in Reconsideration(rule, self._sets).better(found.best, found.singly, progress):
+                kept = better.chosen
+                found.steps += [step] if step else []
+                ever += [p for p in kept if p not in ever]
+        else:
+            kept = self._sets.without_superseded(found.best)
+        return self._finish(ever, kept, found.steps, found.end)
+
+    def _from_elsewhere(self, rule: Reconsidering, start: ScoredSet, found: Reached, progress: Progress) -> Reached:
+        """What climbs without the first choice of those before find, where it is worth more than what was found."""
+        sets, first = self._sets, found
+        for _ in range(rule.restarts(found.best.score)):
+            added = sets.added(first.best)
+            if not added:
+                break
+            sets = sets.without(added[0])
+            first = self._climb(start, sets, progress)
+            if rule.worthwhile(found.best.score, first.best.score, 0.0):
+                found = first
+        return found
+
+    def _climb(self, start: ScoredSet, sets: ScoredSets, progress: Progress) -> Reached:
+        """One climb from ``start`` on."""
+        found = Reached(start, (), [ClimbStep(None, start.score.total, start.score.demos, ())], ClimbEnd.GOOD_ENOUGH)
+        current = start
         ahead: list[ClimbStep] = []  # taken on trial: they count once a later one pays for them
-        reached = current
-        singly: Sequence[ScoredSet] = ()
-        end = ClimbEnd.GOOD_ENOUGH
         while not self._rule.finished(current.score):
-            scored = self._expand(current, progress)
+            scored = sets.expand(current, progress)
             if not ahead:
-                singly = scored
+                found.singly = scored
             better = [s for s in scored if s.score.exact and s.score.total < current.score.total]
             if not better:
-                end = ClimbEnd.NOTHING_BETTER if self._representatives else ClimbEnd.NO_CANDIDATES
+                found.end = ClimbEnd.NOTHING_BETTER if sets.representatives else ClimbEnd.NO_CANDIDATES
                 break
             best = self._rule.choose(self._model, better, trial=bool(ahead))
-            ahead.append(self._step(best, scored))
+            ahead.append(sets.step(best, scored))
             doubt = self._model.doubt(best.predicate)
-            if self._rule.worthwhile(reached.score, best.score, doubt):
-                reached = best
-                steps += ahead
+            if self._rule.worthwhile(found.best.score, best.score, doubt):
+                found.best = best
+                found.steps += ahead
                 ahead = []
             elif not self._rule.hopeful(best.score, len(ahead)):
-                pair = self._pair(reached, singly, progress)
-                if pair is None:
-                    end = ClimbEnd.NOTHING_WORTHWHILE
+                pair = self._pair(found, sets, progress)
+                if not pair:
+                    found.end = ClimbEnd.NOTHING_WORTHWHILE
                     break
-                steps += [step for _, step in pair]
+                found.steps += [step for _, step in pair]
                 ahead = []
-                best = reached = pair[-1][0]
+                best = found.best = pair[-1][0]
             current = best
-        if end is ClimbEnd.GOOD_ENOUGH and len(steps) == 1:
-            end = ClimbEnd.GOOD_ENOUGH_AT_ONCE if self._representatives else ClimbEnd.NO_CANDIDATES
-        ever = list(reached.chosen)
-        if isinstance(self._rule, Reconsidering):
-            for p in self._rule.doubtful(self._model, reached.chosen[len(self._pinned) :]):
-                other = self._exchanged(self._rule, reached, p, progress)
-                if other is not None:
-                    reached, step = other
-                    steps.append(step)
-                    ever.append(reached.predicate)
-        return self._finish(ever, self._without_superseded(reached), steps, end)
+        if found.end is ClimbEnd.GOOD_ENOUGH and len(found.steps) == 1:
+            found.end = ClimbEnd.GOOD_ENOUGH_AT_ONCE if sets.representatives else ClimbEnd.NO_CANDIDATES
+        return found
 
-    def _pair(
-        self, reached: ScoredSet, singly: Sequence[ScoredSet], progress: Progress
-    ) -> Sequence[tuple[ScoredSet, ClimbStep]] | None:
-        """Two candidates that pay only together, neither of which is the best by itself, if there are any.
-
-        Behind each promising first one all second ones are looked at; then the first is chosen again, given the second.
-        """
-        rule = self._rule
-        if not isinstance(rule, Reconsidering):
-            return None
-        seconds: list[ScoredSet] = []
-        for first in rule.firsts(self._model, reached, [s for s in singly if s.score.exact]):
-            seconds += self._worthwhile(reached, self._expand(first, progress))
-        if not seconds:
-            return None
-        p = min(seconds, key=lambda s: s.score.total).predicate
-        second = next(s for s in singly if s.predicate == p)
-        classes = self._model.partition((*range(self._data.initial), *second.chosen))
-        second = ScoredSet(p, second.chosen, classes, self._objective.score(second.chosen, classes))
-        scored = self._expand(second, progress)
-        first = rule.choose(self._model, self._worthwhile(reached, scored))
-        return (second, self._step(second, singly)), (first, self._step(first, scored))
-
-    def _worthwhile(self, reached: ScoredSet, scored: Sequence[ScoredSet]) -> list[ScoredSet]:
-        return [
-            s
-            for s in scored
-            if s.score.exact and self._rule.worthwhile(reached.score, s.score, self._model.doubt(s.predicate))
-        ]
-
-    def _exchanged(
-        self, rule: Reconsidering, reached: ScoredSet, doubtful: int, progress: Progress
-    ) -> tuple[ScoredSet, ClimbStep] | None:
-        """The reached set with another predicate in the place of a doubtful one, if the rule prefers it."""
-        fewer = tuple(p for p in reached.chosen if p != doubtful)
-        classes = self._model.partition((*range(self._data.initial), *fewer))
-        current = ScoredSet(-1, fewer, classes, self._objective.score(fewer, classes))
-        scored = self._expand(current, progress)
-        rivals = [s for s in scored if s.score.exact and rule.replaces(self._model, s, reached, doubtful)]
-        if not rivals:
-            return None
-        best = self._rule.choose(self._model, rivals)
-        return best, self._step(best, scored)
-
-    def _step(self, best: ScoredSet, scored: Sequence[ScoredSet]) -> ClimbStep:
-        others = sorted((s for s in scored if s is not best), key=lambda s: s.score.total)[:SHOWN_RUNNERS_UP]
-        names = self._data.predicates
-        runners_up = tuple(RunnerUp(names[s.predicate], s.score.total, s.score.exact) for s in others)
-        return ClimbStep(names[best.predicate], best.score.total, best.score.demos, runners_up)
+    def _pair(self, found: Reached, sets: ScoredSets, progress: Progress) -> Sequence[tuple[ScoredSet, ClimbStep]]:
+        if not isinstance(self._rule, Reconsidering):
+            return ()
+        return Reconsideration(self._rule, sets).pair(found.best, found.singly, progress) or ()
 
     def score(self, chosen: Sequence[Predicate]) -> Score:
         """J of a given set of candidates. Raises ``ValueError`` for one that is never true, thus no candidate."""
@@ -172,60 +148,6 @@ class Climb:
         numbers = tuple(self._data.predicates.index(p) for p in chosen)
         classes = self._model.partition((*range(self._data.initial), *numbers))
         return self._objective.score(numbers, classes)
-
-    def _expand(self, current: ScoredSet, progress: Progress) -> list[ScoredSet]:
-        """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.
-
-        The sets with the smallest sums so far are taken to the next demonstration, the easiest one first, until no
-        sum can compete with the best any more (method 6.5, item 6). They are taken in batches of a fixed size,
-        which workers may share, so that results do not depend on the number of workers.
-        """
-        data = self._data
-        order = sorted(range(len(data.demos)), key=lambda d: current.score.demos[d] or 0.0)
-        candidates = [p for p in self._representatives if p not in current.chosen]
-        refined = [self._model.refine(current.classes, (*range(data.initial), *current.chosen), p) for p in candidates]
-        sums = [
-            self._objective.begin((*current.chosen, p), classes) for p, classes in zip(candidates, refined, strict=True)
-        ]
-        queue = [(part.total, i, 0) for i, part in enumerate(sums)]
-        heapq.heapify(queue)
-        bound = current.score.total
-        while True:
-            batch: list[tuple[int, int]] = []
-            while queue and queue[0][0] <= bound and len(batch) < BATCH:
-                _, i, position = heapq.heappop(queue)
-                if position == len(order):
-                    bound = min(bound, self._rule.ceiling(sums[i].total, self._model.doubt(candidates[i])))
-                else:
-                    batch.append((i, position))
-            if not batch:
-                break
-            requests = [DemoQuery(sums[i], order[position], bound - sums[i].total) for i, position in batch]
-            for (i, position), score in zip(batch, self._objective.score_demos(requests), strict=True):
-                sums[i].add(order[position], score)
-                if sums[i].exact:
-                    heapq.heappush(queue, (sums[i].total, i, position + 1))
-            latest = data.predicates[candidates[batch[-1][0]]].name
-            progress(Stage.SELECT, len(candidates) - len(queue), len(candidates), latest)
-        progress(Stage.SELECT, len(candidates), len(candidates), "")
-        self._scored += len(candidates)
-        self._evaluations += sum(1 + len(self._representatives[p]) for p in candidates)
-        self._budget_hits += sum(part.budget_hits for part in sums)
-        return [
-            ScoredSet(p, (*current.chosen, p), classes, part.score())
-            for p, classes, part in zip(candidates, refined, sums, strict=True)
-        ]
-
-    def _without_superseded(self, reached: ScoredSet) -> Sequence[int]:
-        """The chosen predicates without those that later ones made superfluous, as far as the rule looks back."""
-        kept = reached.chosen
-        added = reached.chosen[len(self._pinned) :]
-        for p in added[:-1] if self._rule.looks_back else ():
-            fewer = tuple(q for q in kept if q != p)
-            classes = self._model.partition((*range(self._data.initial), *fewer))
-            if self._rule.as_good(self._objective.score(fewer, classes), reached.score):
-                kept = fewer
-        return kept
 
     def _finish(
         self, chosen: Sequence[int], needed: Sequence[int], steps: Sequence[ClimbStep], end: ClimbEnd
@@ -246,12 +168,13 @@ class Climb:
             learn(kept),
             tuple(steps),
             tuple(
-                (data.predicates[p], tuple(data.predicates[q] for q in self._representatives.get(p, ()))) for p in kept
+                (data.predicates[p], tuple(data.predicates[q] for q in self._sets.representatives.get(p, ())))
+                for p in kept
             ),
-            self._evaluations,
-            self._scored,
+            self._sets.effort.evaluations,
+            self._sets.effort.scored,
             self._objective.searches,
-            self._budget_hits,
+            self._sets.effort.budget_hits,
             tuple(data.predicates[p] for p in self._pinned),
             end,
         )

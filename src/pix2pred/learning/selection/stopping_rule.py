@@ -73,6 +73,14 @@ class Reconsidering(Protocol):
         """As every rule does."""
         ...
 
+    def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
+        """As every rule does."""
+        ...
+
+    def restarts(self, reached: Score) -> int:
+        """How many more climbs to try, each without what those before it took first."""
+        ...
+
     def firsts(self, model: OperatorModel, reached: ScoredSet, singly: Sequence[ScoredSet]) -> Sequence[ScoredSet]:
         """Those of the sets with one candidate more than ``reached`` behind which a second one is looked for."""
         ...
@@ -83,6 +91,14 @@ class Reconsidering(Protocol):
 
     def replaces(self, model: OperatorModel, other: ScoredSet, reached: ScoredSet, doubtful: int) -> bool:
         """Whether ``other``, with its last predicate in the place of ``doubtful``, is to be preferred."""
+        ...
+
+    def contraries(self, model: OperatorModel, reached: ScoredSet, candidates: Sequence[int]) -> Sequence[int]:
+        """Those of the candidates that hold exactly where a chosen predicate does not."""
+        ...
+
+    def negates(self, model: OperatorModel, reached: ScoredSet, other: ScoredSet) -> bool:
+        """Whether ``other``, with a contrary more than ``reached``, tells something that ``reached`` cannot."""
         ...
 
 
