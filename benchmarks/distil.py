@@ -364,6 +364,7 @@ def main() -> None:
     parser.add_argument("--looks", type=int, default=200)
     parser.add_argument("--tasks", type=int, default=10)
     parser.add_argument("--grammar", type=int, help="most feature predicates; 0 leaves those read from pictures alone")
+    parser.add_argument("--minutes", type=float, help="begin no row after so many CPU minutes; run again for the rest")
     parser.add_argument("--out", type=Path, default=Path("runs/distil"))
     parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
@@ -382,6 +383,8 @@ def main() -> None:
             for episodes in arguments.episodes:
                 if (arguments.domain, arguments.family, rate, seed, episodes) in done:
                     continue
+                if arguments.minutes is not None and time.process_time() > 60 * arguments.minutes:
+                    return
                 row = study.row(episodes, arguments.looks, arguments.tasks)
                 with path.open("a") as stream:
                     stream.write(json.dumps(row) + "\n")
