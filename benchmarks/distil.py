@@ -7,6 +7,9 @@ published demonstrations of the seed and labels --episodes closed-loop episodes 
 from the demonstrations and 0, 5, 20 and 50 of these episodes. Each is asked about --looks looks of other seeds, and
 --tasks tasks of another seed are solved in a closed loop with the cascade, and with the teacher alone. A row for each
 number of episodes is added to OUT/rows.jsonl; what is there is not computed again. ``--table`` prints all rows.
+
+Scenes, tasks and looks are those of the seed, whatever the rate, and are drawn once. A state that was seen before after
+the same skills of the same task is not drawn again.
 """
 
 from __future__ import annotations
@@ -63,12 +66,14 @@ def digests(pictures: Sequence[Picture]) -> Digests:
     return tuple(p.image.digest for p in pictures)
 
 
-@dataclass
+@dataclass(eq=False)
 class World:
     """A domain whose truth is noted, state by state, wherever it is looked at."""
 
     domain: Any
     family: str
+    seed: int
+    drawn: dict[tuple[Digests, tuple[Action, ...]], State] = field(default_factory=dict)
     known: dict[Digests, dict[tuple[str, ...], bool | None]] = field(default_factory=dict)
 
     @cached_property
@@ -117,6 +122,26 @@ class World:
         made.reset()
         return made
 
+    @cache  # noqa: B019  (a world lives as long as the program)
+    def tasks(self, seed: int, count: int) -> Sequence[SimulatedTask]:
+        """The first tasks of another seed."""
+        made: Sequence[SimulatedTask] = self.domain.tasks(self.family, self.seed + seed, count)
+        return made
+
+    @cache  # noqa: B019
+    def fresh(self, wanted: int) -> list[tuple[State, Sequence[Object]]]:
+        """States of other seeds: of demonstrations, and the first ones of tasks."""
+        rng = np.random.default_rng(self.seed)
+        found: list[tuple[State, Sequence[Object]]] = []
+        for task in self.tasks(LOOK_SEED, 40):
+            self.environment(task)
+            found.append((task.task.initial, task.task.objects))
+        seed = self.seed + LOOK_SEED
+        while len(found) < wanted:
+            found += self.visit(seed)
+            seed += 1
+        return [found[i] for i in sorted(rng.permutation(len(found))[:wanted])]
+
 
 @dataclass
 class Watched:
@@ -125,13 +150,18 @@ class Watched:
     world: World
     inner: Environment
     task: Task
+    done: list[Action] = field(default_factory=list)
 
     def reset(self) -> None:
         self.inner.reset()
+        self.done.clear()
         self.world.note(self.inner, self.task.initial, self.task.objects)
 
     def observe(self) -> State:
-        state = self.inner.observe()
+        course = digests(self.task.initial.pictures), tuple(self.done)
+        if course not in self.world.drawn:
+            self.world.drawn[course] = self.inner.observe()
+        state = self.world.drawn[course]
         self.world.note(self.inner, state, self.task.objects)
         return state
 
@@ -139,6 +169,7 @@ class Watched:
         return self.inner.features()
 
     def execute(self, action: Action) -> Step:
+        self.done.append(action)
         return self.inner.execute(action)
 
     def goal_reached(self) -> bool:
@@ -189,24 +220,23 @@ class Study:
 
     world: World
     rate: float
-    seed: int
     out: Path
     grammar: int | None = None
 
     @cached_property
     def teacher(self) -> Teacher:
-        return Teacher(self.world, self.rate, self.seed)
+        return Teacher(self.world, self.rate, self.world.seed)
 
     @cached_property
     def run(self) -> RunFolder:
         """The learned run, learned once; demonstrations are visited for their truth."""
         world, path = self.world, self.out / "run"
-        project = generate(world.domain.name, world.family, self.seed)
+        project = generate(world.domain.name, world.family, world.seed)
         grammar = {} if self.grammar is None else {"grammar": {"max_candidates": self.grammar}}
         layers = of_kind(project.simulator), of_project(project.sections), of_project(grammar)
         self.settings: Settings = resolve(*layers)
         if not (path / MODEL).exists():
-            world.visit(self.seed)
+            world.visit(world.seed)
             vlm = StoredVLM(self.teacher, AnswerStore(path))
             problem = LearningProblem(project.vocabulary, project.demos, vlm, self.settings)
             with RunFolder(path).locked() as run:
@@ -227,10 +257,6 @@ class Study:
         )
         return sum(solver.solve(t.task, self.world.environment(t)).solved for t in tasks)
 
-    def tasks(self, seed: int, count: int) -> Sequence[SimulatedTask]:
-        made: Sequence[SimulatedTask] = self.world.domain.tasks(self.world.family, self.seed + seed, count)
-        return made
-
     def episodes(self, count: int) -> tuple[Path, ...]:
         """Answer stores with the first ``count`` episodes, a store for each step of the curve."""
         stores = []
@@ -240,7 +266,7 @@ class Study:
             folder = self.out / f"episodes-{last}"
             if not (folder / "done").exists():
                 vlm = StoredVLM(self.teacher, AnswerStore(folder))
-                self.solve(vlm, self.tasks(EPISODE_SEED, last)[first:])
+                self.solve(vlm, self.world.tasks(EPISODE_SEED, CURVE[-1])[first:last])
                 (folder / "done").write_text("")
             stores.append(folder)
         return tuple(stores)
@@ -249,7 +275,7 @@ class Study:
     def alone(self, tasks: int) -> tuple[int, int]:
         """Tasks that the teacher solves without a reader, and the questions it is asked."""
         asked = Counting(self.teacher)
-        return self.solve(asked, self.tasks(TASK_SEED, tasks)) if tasks else 0, asked.questions
+        return self.solve(asked, self.world.tasks(TASK_SEED, tasks)) if tasks else 0, asked.questions
 
     def row(self, episodes: int, looks: int, tasks: int) -> dict[str, Any]:
         folder = self.out / f"reader-{episodes}"
@@ -261,11 +287,11 @@ class Study:
         reader = DistilledReader(*read_reader(folder))
         asked = Counting(self.teacher)
         cascade = Cascade(reader, asked, _said)
-        solved = self.solve(cascade, self.tasks(TASK_SEED, tasks)) if tasks else 0
+        solved = self.solve(cascade, self.world.tasks(TASK_SEED, tasks)) if tasks else 0
         by_teacher, questions_of_teacher = self.alone(tasks)
         said = cascade.tally.as_dict()
         return {
-            "domain": self.world.domain.name, "family": self.world.family, "rate": self.rate, "seed": self.seed,
+            "domain": self.world.domain.name, "family": self.world.family, "rate": self.rate, "seed": self.world.seed,
             "episodes": episodes, **self.read(folder, looks),
             "tasks": tasks, "solved": solved, "solved_by_teacher": by_teacher,
             "questions": asked.questions, "questions_of_teacher": questions_of_teacher,
@@ -276,29 +302,12 @@ class Study:
             "kilobytes": round((folder / WEIGHTS).stat().st_size / 1000), "distil_seconds": round(seconds, 1),
         }  # fmt: skip
 
-    @cached_property
-    def fresh(self) -> list[tuple[State, Sequence[Object]]]:
-        """States of other seeds: of demonstrations, and the first ones of tasks."""
-        rng = np.random.default_rng(self.seed)
-        found: list[tuple[State, Sequence[Object]]] = []
-        for task in self.tasks(LOOK_SEED, 40):
-            self.world.environment(task)
-            found.append((task.task.initial, task.task.objects))
-        seed = self.seed + LOOK_SEED
-        while len(found) < self.wanted:
-            found += self.world.visit(seed)
-            seed += 1
-        return [found[i] for i in sorted(rng.permutation(len(found))[: self.wanted])]
-
-    wanted: int = 200
-
     def read(self, folder: Path, looks: int) -> dict[str, Any]:
         """What the reader says about fresh looks: shares answered, and right of what is answered and of all."""
-        self.wanted = looks
         model, _, _ = read_reader(folder)
         asked = [p for p in self.model.predicates if isinstance(p.source, FromVLM)]
         count: Counter[str] = Counter()
-        fresh, start = self.fresh, time.process_time()
+        fresh, start = self.world.fresh(looks), time.process_time()
         for state, objects in fresh:
             atoms = ground_atoms(asked, objects)
             shown = views(state, 0, objects, marks=False)
@@ -350,11 +359,12 @@ def main() -> None:
     parser.add_argument("--domain", default="burger")
     parser.add_argument("--family", default="combo")
     parser.add_argument("--rate", type=float, nargs="*", default=[0.02, 0.05])
-    parser.add_argument("--seed", type=int, default=3)
+    parser.add_argument("--seed", type=int, nargs="*", default=[3])
     parser.add_argument("--episodes", type=int, nargs="*", default=[0, 5, 20])
     parser.add_argument("--looks", type=int, default=200)
     parser.add_argument("--tasks", type=int, default=10)
     parser.add_argument("--grammar", type=int, help="most feature predicates; 0 leaves those read from pictures alone")
+    parser.add_argument("--minutes", type=float, help="begin no row after so many CPU minutes; run again for the rest")
     parser.add_argument("--out", type=Path, default=Path("runs/distil"))
     parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
@@ -365,17 +375,20 @@ def main() -> None:
         print(table(rows))
         return
     done = {(r["domain"], r["family"], r["rate"], r["seed"], r["episodes"]) for r in rows}
-    for rate in arguments.rate:
-        world = World(load_domain(arguments.domain), arguments.family)
-        name = f"{arguments.domain}-{arguments.family}-{rate:g}-{arguments.seed}"
-        study = Study(world, rate, arguments.seed, arguments.out / name, arguments.grammar)
-        for episodes in arguments.episodes:
-            if (arguments.domain, arguments.family, rate, arguments.seed, episodes) in done:
-                continue
-            row = study.row(episodes, arguments.looks, arguments.tasks)
-            with path.open("a") as stream:
-                stream.write(json.dumps(row) + "\n")
-            print(json.dumps(row), flush=True)
+    for seed in arguments.seed:
+        world = World(load_domain(arguments.domain), arguments.family, seed)
+        for rate in arguments.rate:
+            name = f"{arguments.domain}-{arguments.family}-{rate:g}-{seed}"
+            study = Study(world, rate, arguments.out / name, arguments.grammar)
+            for episodes in arguments.episodes:
+                if (arguments.domain, arguments.family, rate, seed, episodes) in done:
+                    continue
+                if arguments.minutes is not None and time.process_time() > 60 * arguments.minutes:
+                    return
+                row = study.row(episodes, arguments.looks, arguments.tasks)
+                with path.open("a") as stream:
+                    stream.write(json.dumps(row) + "\n")
+                print(json.dumps(row), flush=True)
 
 
 if __name__ == "__main__":

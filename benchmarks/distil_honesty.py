@@ -99,7 +99,7 @@ def main() -> None:
     parser.add_argument("--tasks", type=int, default=20)
     arguments = parser.parse_args()
     model, _, _ = read_reader(arguments.reader)
-    world = World(load_domain(arguments.domain), arguments.family)
+    world = World(load_domain(arguments.domain), arguments.family, SEED)
     print("| looks | answered | right | atoms |\n|---|---|---|---|")
     for line in recoloured(model, world, arguments.tasks):
         print(line, flush=True)

@@ -6,14 +6,16 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import PIL.Image
 import pytest
 
 from pix2pred.registry import load_domain
-from pix2pred.structs import Image, Picture
+from pix2pred.structs import Box, Image, Picture
 from pix2pred.vlm.distilled.calibration import calibrate
 from pix2pred.vlm.distilled.fitting.fit import fit
 from pix2pred.vlm.distilled.fitting.lesson import Lesson, LessonError
 from pix2pred.vlm.distilled.model import Reading, Why
+from pix2pred.vlm.distilled.sight import NEAR_SIDE, ORIENTATIONS, Change, Shown, see, split
 from pix2pred.vlm.offline.label_question import Look
 from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, lesson, taught
 
@@ -164,3 +166,21 @@ def test_calibration_finds_out_how_often_the_teacher_errs() -> None:
         curve = calibrate(scores, labels, np.ones(600)).curve
         assert abs(curve.error - rate) <= 0.02
         assert curve.probability(1.0) > 0.99 and curve.probability(-1.0) < 0.01
+
+
+def test_few_labels_leave_a_reader_less_sure_between_what_it_has_seen() -> None:
+    scores = np.tile([-1.0, -0.6, 0.6, 1.0], 3)
+    few = calibrate(scores, scores > 0, np.ones(len(scores))).curve
+    many = calibrate(np.tile(scores, 50), np.tile(scores > 0, 50), np.ones(50 * len(scores))).curve
+    likeliest = 1 / (1 + np.exp(-few.slope * (0.5 - few.middle)))
+    assert 0.5 < few.probability(0.5) < min(likeliest, many.probability(0.5))
+
+
+def test_gradients_are_counted_in_the_eighth_of_a_turn_to_which_they_point() -> None:
+    for number, turn in enumerate((np.arange(ORIENTATIONS) + 0.3) * 2 * np.pi / ORIENTATIONS):
+        down, across = np.mgrid[:NEAR_SIDE, :NEAR_SIDE] / (2.0 * NEAR_SIDE)
+        grey = 0.5 + 0.4 * (np.cos(turn) * across + np.sin(turn) * down)
+        pixels = np.repeat((255 * grey).astype(np.float32)[..., None], 3, axis=2)
+        shown = Shown([PIL.Image.fromarray(np.clip(pixels, 0, 255).astype(np.uint8)).resize((640, 640))])
+        counted = split(see(shown, [Box(0, 0, 640, 640)], [Change(scale=0.8)]))["edges"].reshape(-1, ORIENTATIONS)
+        assert counted.sum(axis=0).argmax() == number

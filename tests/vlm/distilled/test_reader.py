@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import threading
 from collections import Counter
@@ -108,6 +109,21 @@ def test_a_reader_read_back_says_what_it_said_and_equal_ones_have_equal_bytes(fo
     again, first = model.read(look, atoms), taught().model.read(look, atoms)
     assert [r.value for r in again] == [r.value for r in first]
     assert card.made_from.teacher == "large:1" and DistilledReader(model, card, digest).name == f"reader:{digest[:12]}"
+
+
+def test_a_reader_made_before_curves_were_averaged_is_read_by_its_likeliest_curve(folder: Path, tmp_path: Path) -> None:
+    with np.load(folder / WEIGHTS) as stored:
+        np.savez(tmp_path / WEIGHTS, **{name: stored[name] for name in stored.files if "|odds|" not in name})
+    card = json.loads((folder / CARD).read_text())
+    card["weights"] = hashlib.sha256((tmp_path / WEIGHTS).read_bytes()).hexdigest()
+    (tmp_path / CARD).write_text(json.dumps(card))
+    for kinds, words in read_reader(tmp_path)[0].kinds.items():
+        for word, old in words.words.items():
+            curve = old.calibration
+            expected = 1 / (1 + np.exp(-curve.slope * (0.3 - curve.middle)))
+            assert curve.probability(0.3) == pytest.approx(np.clip(expected, 1 - curve.most, curve.most))
+            new = read_reader(folder)[0].kinds[kinds].words[word].calibration
+            assert abs(new.probability(0.3) - 0.5) < abs(curve.probability(0.3) - 0.5)
 
 
 def test_readers_that_cannot_be_used_are_refused_in_one_sentence(folder: Path, tmp_path: Path) -> None:

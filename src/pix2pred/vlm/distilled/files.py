@@ -20,7 +20,7 @@ from pydantic import Field, ValidationError
 from pix2pred.structs.formats.documents import Document
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.files import write_whole
-from pix2pred.vlm.distilled.calibration import Calibration
+from pix2pred.vlm.distilled.calibration import SCORES, Calibration
 from pix2pred.vlm.distilled.codes import PartCode, RegionCode
 from pix2pred.vlm.distilled.fitting.fit import Fitted
 from pix2pred.vlm.distilled.machine import Kernel, Layout, Rows, WordMachine
@@ -166,6 +166,7 @@ def _arrays(model: DistilledModel) -> dict[str, NDArray[np.generic]]:
         arrays[f"kinds|{k}|nearest"] = np.array([kinds.nearest])
         for word, taught in kinds.words.items():
             arrays[f"kinds|{k}|word|{word}"] = taught.machine.weights
+            arrays[f"kinds|{k}|odds|{word}"] = taught.calibration.odds.astype(np.float32)
     return arrays
 
 
@@ -225,7 +226,8 @@ def _model(card: CardDoc, arrays: Mapping[str, NDArray[Any]]) -> DistilledModel:
             if doc.kinds == name:
                 kernel = Kernel(doc.kernel.linear, doc.kernel.scale, doc.kernel.parts)
                 weights = _floats(arrays[f"kinds|{k}|word|{doc.word}"])
-                curve = Calibration(doc.curve.slope, doc.curve.middle, doc.curve.error, doc.curve.most)
+                odds = arrays.get(f"kinds|{k}|odds|{doc.word}", doc.curve.slope * (SCORES - doc.curve.middle))
+                curve = Calibration(**doc.curve.model_dump(), odds=odds.astype(np.float64))
                 words[doc.word] = Taught(WordMachine(kernel, weights), curve)
         nearest = float(arrays[f"kinds|{k}|nearest"][0])
         kinds[name] = KindsModel(Rows(layout, rows), _floats(arrays[f"kinds|{k}|relation"]), nearest, words)

@@ -24,6 +24,8 @@ NEAR, AROUND = 1.15, 2.4
 """Sides of the two parts, relative to the longer side of the box."""
 ORIENTATIONS, CELLS = 8, 4
 """Gradients are counted by orientation in a grid of CELLS x CELLS cells."""
+_OCTANTS = np.array([0, 1, 3, 2, 7, 6, 4, 5])
+"""The eighth of a turn in which a gradient points: by whether it goes up, goes left, and is steep."""
 FINE = 2
 """Pixels, in width and height, of which each pixel of a part is the mean at least."""
 
@@ -132,9 +134,8 @@ def _edges(parts: Array) -> Array:
     across, down = np.zeros_like(grey), np.zeros_like(grey)
     across[:, :, 1:-1] = grey[:, :, 2:] - grey[:, :, :-2]
     down[:, 1:-1] = grey[:, 2:] - grey[:, :-2]
-    strength = np.hypot(across, down)
-    turn = (np.arctan2(down, across) / (2 * np.pi) % 1.0) * ORIENTATIONS
-    number = np.minimum(turn.astype(np.int64), ORIENTATIONS - 1)
+    strength = np.sqrt(across**2 + down**2)
+    number = _OCTANTS[(down < 0) * 4 + (across < 0) * 2 + (np.abs(down) > np.abs(across))]
     n, side = grey.shape[0], grey.shape[1]
     cell = np.arange(side) * CELLS // side
     where = (np.arange(n)[:, None, None] * CELLS + cell[None, :, None]) * CELLS + cell[None, None, :]

@@ -23,6 +23,8 @@ from pix2pred.vlm.distilled.sight import Array
 USUAL_NEAREST = 0.98
 """The share of rows of demonstrations left out whose distance from the others is at most the usual one."""
 _LEAST_NEAREST = 1e-2
+ALIKE = 0.1
+"""How far a second look at the same objects with the same label, in the same demonstration, repeats the first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +104,9 @@ def _fit(lesson: Lesson, settings: FitSettings, progress: Progress) -> Fitted:
         progress(Stage.DISTIL, len(results), count, ", ".join(kinds))
         folds = np.array([fold[lesson.groups[row.look]] for row in group.rows])
         model, strange = _kinds_model(kinds, seen, regions, folds)
-        taught = {word: _teach(model, group, word, folds, settings) for word in sorted(group.labels)}
+        taught = {
+            word: _teach(model, group, _weighed(lesson, group, word), folds, settings) for word in sorted(group.labels)
+        }
         kinds_models[kinds] = KindsModel(
             model.rows, model.relation, model.nearest,
             {word: Taught(t.machine, t.calibration) for word, t in taught.items()},
@@ -187,8 +191,22 @@ def _nearest(layout: Layout, rows: Array, folds: Ints, copies: int) -> Array:
     return nearest
 
 
-def _teach(model: KindsModel, group: RowsOfKinds, word: str, folds: Ints, settings: FitSettings) -> TaughtWord:
-    labels, rows = group.labels[word], list(group.rows)
+def _weighed(lesson: Lesson, group: RowsOfKinds, word: str) -> dict[Row, tuple[bool, float]]:
+    """The labels of a word; those that tell the same of the same objects in one demonstration count less each."""
+    labels = group.labels[word]
+    looks: defaultdict[tuple[str, tuple[str, ...], bool], set[int]] = defaultdict(set)
+    for row, (label, _) in labels.items():
+        looks[lesson.groups[row.look], row.names, label].add(row.look)
+    return {
+        row: (label, weight / (1 + ALIKE * (len(looks[lesson.groups[row.look], row.names, label]) - 1)))
+        for row, (label, weight) in labels.items()
+    }
+
+
+def _teach(
+    model: KindsModel, group: RowsOfKinds, labels: Mapping[Row, tuple[bool, float]], folds: Ints, settings: FitSettings
+) -> TaughtWord:
+    rows = list(group.rows)
     indices = np.array([i for i, row in enumerate(rows) if row in labels])
     copies = len(model.rows.codes) // len(rows)
     unit = _units(rows)

@@ -2,12 +2,13 @@
 
 Kernel ridge regression on labels of +1 and -1, both values weighing alike. Leaving demonstrations out needs no second
 fit: with A = K + D, the score of a left-out block is its labels minus the solution of A^-1's block for its weights
-(Rasmussen and Williams 2006, 5.4.2).
+(Rasmussen and Williams 2006, 5.4.2). What was left out has no say in the choice of the kernel that scores it either:
+the best of many kernels on few labels is better there than on what comes later.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -79,16 +80,26 @@ def teach(rows: Rows, mine: WordRows, rng: np.random.Generator) -> TaughtWord:
     truth = mine.labels.astype(np.float64)
     for number in range(_ROUNDS):
         if number < _CHOSEN_AGAIN:
-            qualities = [_quality(few, tried, truth[chosen], *candidate) for candidate in candidates]
-            kernel, ridge = candidates[int(np.argmax(qualities))]
-        scores, weights = _left_out(own, mine, truth, kernel, ridge)
+            best, without = _choice([_quality(few, tried, truth[chosen], *candidate) for candidate in candidates])
+        scores, weights = _left_out(own, mine, truth, *candidates[best])
+        for other in sorted(set(without.values()) - {best}):
+            elsewhere = np.isin(mine.folds, [fold for fold, choice in without.items() if choice == other])
+            scores[elsewhere] = _left_out(own, mine, truth, *candidates[other])[0][elsewhere]
         units, joined, labels, trust = _by_unit(mine, scores)
         calibration = calibrate(joined, labels, trust).curve
         known = dict(zip(units.tolist(), calibration.truth(joined, labels), strict=True))
         truth = np.array([known[int(unit)] for unit in mine.units])
     everywhere = np.zeros(len(rows.codes), dtype=np.float32)
     everywhere[mine.rows] = weights
-    return TaughtWord(WordMachine(kernel, everywhere), calibration, units, joined, labels)
+    return TaughtWord(WordMachine(candidates[best][0], everywhere), calibration, units, joined, labels)
+
+
+def _choice(qualities: Sequence[Mapping[int, float]]) -> tuple[int, dict[int, int]]:
+    """The best candidate, and by fold the best of all other folds. A quality is a sum over folds; -1 is no fold."""
+    table = np.array([list(quality.values()) for quality in qualities])
+    total = table.sum(axis=1)
+    folds = list(qualities[0])
+    return int(total.argmax()), {f: int((total - table[:, i]).argmax()) for i, f in enumerate(folds) if f >= 0}
 
 
 def _among_themselves(rows: Rows, mine: WordRows) -> Compared:
@@ -124,11 +135,19 @@ def _sample(mine: WordRows, rng: np.random.Generator) -> Bools:
     return kept if enough else np.ones(len(kept), dtype=np.bool_)
 
 
-def _quality(own: Compared, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float) -> float:
-    """How well scores of demonstrations left out foretell their labels: logarithm of likelihood."""
+def _quality(own: Compared, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float) -> dict[int, float]:
+    """How well scores of demonstrations left out foretell their labels: logarithm of likelihood by fold.
+
+    Under -1 stands how much their curve is believed.
+    """
     scores, _ = _left_out(own, mine, truth, kernel, ridge)
-    _, joined, labels, trust = _by_unit(mine, scores)
-    return calibrate(joined, labels, trust).likelihood
+    units, joined, labels, trust = _by_unit(mine, scores)
+    found = calibrate(joined, labels, trust)
+    fold = dict(zip(mine.units.tolist(), mine.folds.tolist(), strict=True))
+    quality = dict.fromkeys(np.unique(mine.folds).tolist(), 0.0)
+    for unit, likely in zip(units.tolist(), found.by_label.tolist(), strict=True):
+        quality[fold[unit]] += likely
+    return {-1: found.prior} | quality
 
 
 def _left_out(own: Compared, mine: WordRows, truth: Floats, kernel: Kernel, ridge: float) -> tuple[Floats, Array]:
