@@ -41,6 +41,23 @@ def test_the_rejected_atoms_are_where_the_message_says(cli: Cli, model: Model, d
     assert proposals[0]["rejected"][0]["text"] == "lit(ghost)"
 
 
+@pytest.mark.parametrize("length", [101, 400, 5000])
+@pytest.mark.parametrize("atom", ["{}(l1)", "lit({})", "lit(l1, {})"])
+def test_names_too_long_for_files_are_rejected_before_anything_is_paid_for(
+    cli: Cli, model: Model, data: Path, tmp_path: Path, length: int, atom: str
+) -> None:
+    model(propose=lambda r: sees(r) + "* " + atom.format("a" * length))
+    ran = cli("learn", data, "--out", tmp_path / "run")
+    assert ran.code == 0, ran.err
+    (rejected, *_) = json.loads((tmp_path / "run" / "proposals.json").read_text())[0]["rejected"]
+    assert f"a name of {length:,} characters" in rejected["reason"] and len(rejected["text"]) < 120
+
+
+def test_a_name_of_the_most_characters_is_used(cli: Cli, model: Model, data: Path, tmp_path: Path) -> None:
+    model(propose=lambda r: sees(r) + f"* {'a' * 100}(l1)\n* {'a' * 100}(robby)")
+    assert cli("learn", data, "--out", tmp_path / "run").code == 0
+
+
 NO_LABELS: dict[str, Callable[[Request], str]] = {
     "html": always("<html>502 Bad Gateway</html>"),
     "swahili": lambda r: sees(r).replace("True", "Kweli").replace("False", "Uongo"),

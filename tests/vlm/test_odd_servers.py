@@ -214,6 +214,14 @@ UNUSUAL: dict[str, dict[str, Any]] = {
     "usage as a list": {"usage": [1, 2]},
     "usage of text": {"usage": {"prompt_tokens": "many"}},
     "no object": {"object": 7},
+    "no model": {"model": None},
+    "more fields": {"x_groq": {"id": [None]}, "prompt_logprobs": None},
+    "text for a number": {
+        "choices": [
+            {"index": "0", "message": {"role": "assistant", "content": "lit(a): True"}, "finish_reason": "stop"}
+        ]
+    },
+    "little": {"choices": [{"message": {"role": "assistant", "content": "lit(a): True"}}], "id": None, "usage": None},
 }
 
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from pix2pred.predicates.proposing.parse_atoms import LONGEST_NAME
 from pix2pred.predicates.proposing.propose import Rejection
 from pix2pred.structs import Type
 
@@ -45,6 +46,8 @@ def parse_code(answer: str, types: Mapping[str, Type]) -> tuple[list[CodePredica
         unknown = [n for n in names if n not in types]
         if unknown:
             rejected.append(Rejection(source, f"no type is called {unknown[0]!r}"))
+        elif len(header["name"]) > LONGEST_NAME:
+            rejected.append(Rejection(source, f"the name has more than {LONGEST_NAME} characters"))
         elif not names:
             rejected.append(Rejection(source, "the predicate has no argument"))
         else:

@@ -21,8 +21,10 @@ from pix2pred.system.progress import Stage
 out = Console(highlight=False, emoji=False)
 err = Console(stderr=True, highlight=False, emoji=False)
 
-_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
-"""Control characters, C1 included, and those that reorder text."""
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Control characters, C1 included, those that reorder text, and halves of characters, which no file can hold."""
+_ENDLESS = re.compile(r"(\S{200})\S{200,}(\S{20})")
+"""Words longer than any path or name that a person wants to read."""
 
 _STAGES = {
     Stage.GENERATE: "Drawing demonstrations",
@@ -45,9 +47,10 @@ class UsageError(Pix2predError, ValueError):
 def plain(text: str) -> str:
     """``text`` without what a terminal would obey: control characters are shown as pictures of themselves.
 
-    Line ends and tabs stay. Whatever a model or a file says passes through here before it is printed.
+    Line ends and tabs stay, and of endless words the beginning and the end. Whatever a model or a file says passes
+    through here before it is printed.
     """
-    return _CONTROL.sub(_pictured, text)
+    return _ENDLESS.sub(r"\1…\2", _CONTROL.sub(_pictured, text))
 
 
 def _pictured(match: re.Match[str]) -> str:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from pix2pred.cli.console import bars, counted, err, out, print_json
+from pix2pred.cli.console import bars, counted, err, out, plain, print_json
 from pix2pred.cli.learn import estimated, project_settings
 from pix2pred.cli.ranges import NOT_NEGATIVE, output_folder
 from pix2pred.demos import Problem, Project, inspect_project, json_schemas, write_project, write_schemas
@@ -104,9 +104,9 @@ def check(
         print_json({"problems": _rows(problems), "warnings": _rows(warnings), "learning": estimate})
         return 2 if problems else 0
     for problem in problems:
-        out.print(str(problem), markup=False, soft_wrap=True)
+        out.print(plain(str(problem)), markup=False, soft_wrap=True)
     for warning in warnings:
-        out.print(warning.told("warning"), markup=False, soft_wrap=True)
+        out.print(plain(warning.told("warning")), markup=False, soft_wrap=True)
     count = counted(len(problems), "problem") if problems else "no problems found"
     out.print(f"{count}, {counted(len(warnings), 'warning')}" if warnings else count)
     if estimate:

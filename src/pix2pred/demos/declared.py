@@ -18,6 +18,7 @@ _NEEDED = {
     "predicates": "what goals are written in, such as '- {name: On, types: [cup, tray], source: vlm}'",
 }
 """What no domain can be without."""
+_NEARLY = "{} {} differs from {} in capitals alone, and PDDL takes both for one: rename it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +50,14 @@ def resolve_objects(
     sheet: Sheet, docs: Mapping[str, ObjectDoc], types: Mapping[str, Type], broken: set[str]
 ) -> dict[str, Object]:
     """The objects of a mapping ``objects: {name: {type, descriptor}}``; names left out are added to ``broken``."""
-    objects = {}
+    objects: dict[str, Object] = {}
+    spelled: dict[str, str] = {}
     for name, doc in docs.items():
+        if (other := spelled.setdefault(name.casefold(), name)) != name:
+            message = (
+                f"object {name!r} differs from {other!r} in capitals alone, and PDDL takes both for one: rename it"
+            )
+            sheet.report(("objects", name), message)
         if doc.type in types and doc.type not in broken:
             objects[name] = Object(name, types[doc.type], doc.descriptor or name)
             continue
@@ -146,12 +153,15 @@ class _Builder:
         return owner not in self.broken
 
     def _first_positions(self, key: str, kind: str, names: Sequence[str]) -> list[int]:
-        """Where each name is declared first; later declarations are problems."""
+        """Where each name is declared first; later declarations are problems, and names that are nearly the same."""
         firsts: dict[str, int] = {}
         for position, name in enumerate(names):
-            if name in firsts:
-                line = self.sheet.yaml.line((key, firsts[name], "name"))
+            first = firsts.setdefault(name.casefold(), position)
+            if first != position:
+                line = self.sheet.yaml.line((key, first, "name"))
                 message = f"{kind} {name!r} is declared twice (first on line {line})"
+                if name != names[first]:
+                    message = _NEARLY.format(kind, repr(name), f"{names[first]!r} (line {line})")
+                    self.broken.add(name)
                 self.sheet.report((key, position, "name"), message)
-            firsts.setdefault(name, position)
         return list(firsts.values())

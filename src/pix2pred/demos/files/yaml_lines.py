@@ -85,7 +85,10 @@ def _events(text: str) -> Iterator[Any]:
         mark = error.problem_mark or error.context_mark
         problem = error.problem or "cannot be read"
         hint = ""
-        if mark and any(_TAB_INDENT.match(line) for line in text.split("\n")[mark.line : mark.line + 1]):
+        if "invalid Unicode character escape" in problem:
+            problem = "\\uD800 to \\uDFFF are halves of characters, and no text holds half of one"
+            hint = " (write the character itself, or \\U and eight digits)"
+        elif mark and any(_TAB_INDENT.match(line) for line in text.split("\n")[mark.line : mark.line + 1]):
             hint = " (indent with spaces, not tabs)"
         elif "mapping values are not allowed" in problem:
             hint = " (put text with a colon in quotes)"

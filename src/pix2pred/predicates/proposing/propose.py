@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.predicates.frugal.definitions import Definition
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
-from pix2pred.predicates.proposing.parse_atoms import Mention, clean, mentions
+from pix2pred.predicates.proposing.parse_atoms import LONGEST_NAME, Mention, clean, mentions
 from pix2pred.structs import Demo, Object
 from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.errors import Pix2predError
@@ -270,6 +270,8 @@ def judged(
     demo: Demo, mention: Mention, settings: ProposalSettings, accepted: Collection[ProposedAtom]
 ) -> ProposedAtom | Rejection:
     """The atom that ``mention`` writes, or why it is not used (method 2.3); ``accepted`` are those taken already."""
+    if (longest := len(max(mention.name, *mention.args, key=len))) > LONGEST_NAME:
+        return Rejection(f"{str(mention)[:LONGEST_NAME]}…", f"holds a name of {longest:,} characters")
     known = {o.name: o for o in demo.objects} | {o.prompt_name: o for o in demo.objects}
     unknown = [a for a in mention.args if a not in known]
     objects = tuple(known[a] for a in mention.args if a in known)
@@ -293,6 +295,6 @@ def _groundings(demo: Demo, objects: Sequence[Object]) -> int:
 
 
 def _excluded(name: str, args: Iterable[str], exclude: Iterable[str]) -> str | None:
-    words = {part for text in (name, *args) for part in re.split(r"_|(?<=[a-z])(?=[A-Z])|\d+", text) if part}
-    mentioned = {word.lower() for word in words}
+    parts = (part for text in (name, *args) for part in re.split(r"_|(?<=[a-z])(?=[A-Z])|\d+", text))
+    mentioned = {part.lower() for part in parts}
     return next((word for word in exclude if word.lower() in mentioned), None)

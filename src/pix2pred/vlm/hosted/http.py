@@ -20,7 +20,7 @@ MOST_BYTES = 32 << 20
 """Of one body, as sent and unpacked: 8,000 tokens with five alternatives each are five megabytes."""
 _SECONDS, _SECONDS_TO_CONNECT = 600.0, 10.0
 """Bounds below those of the flow settings, which end earlier; a server that takes longer to connect is not there."""
-_UNNEEDED = ("id", "created", "usage", "object", "system_fingerprint", "service_tier")
+_UNNEEDED = ("id", "created", "usage", "object", "model", "system_fingerprint", "service_tier")
 """Fields of a chat completion that are left out when they have another form than the protocol says."""
 _FORMS: dict[str, type | tuple[type, ...]] = {"created": int, "usage": dict}
 _LATEST = 1 << 40
@@ -99,24 +99,24 @@ def usual(content: bytes) -> bytes:
         document = json.loads(content)
     except (ValueError, RecursionError):
         return content
-    endless = _without_odd_finishes(document)
+    mended = _mended(document.get("choices"))
     odd = [name for name in _UNNEEDED if name in document and not _has_form(name, document[name])]
-    if not odd and not endless and "id" in document and "created" in document:
+    if not odd and not mended and "id" in document and "created" in document:
         return content
     kept = {name: value for name, value in document.items() if name not in odd}
     return json.dumps({"id": "", "created": 0, "object": "chat.completion", "model": ""} | kept).encode()
 
 
-def _without_odd_finishes(document: Any) -> bool:
-    """Make reasons to finish that say nothing absent; whether there were any."""
-    choices = document.get("choices")
-    odd = [
-        choice for choice in (choices if isinstance(choices, list) else ())
-        if isinstance(choice, dict) and not (choice.get("finish_reason") and isinstance(choice["finish_reason"], str))
-    ]  # fmt: skip
-    for choice in odd:
-        choice["finish_reason"] = None
-    return bool(odd)
+def _mended(choices: Any) -> bool:
+    """Make reasons to finish that say nothing absent, and number the choices; whether anything was changed."""
+    changed = False
+    for number, choice in enumerate(choices if isinstance(choices, list) else ()):
+        if isinstance(choice, dict):
+            reason = choice.get("finish_reason")
+            usual_ones = {"index": number, "finish_reason": reason if reason and isinstance(reason, str) else None}
+            changed |= any(choice.get(key, ...) != value for key, value in usual_ones.items())
+            choice |= usual_ones
+    return changed
 
 
 def _has_form(name: str, value: Any) -> bool:
