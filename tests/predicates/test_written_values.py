@@ -99,6 +99,8 @@ FORMS = {
     "objects with truth": '{{ "predicate": "{a}", "truth_value": {v} }}',
     "explained by its opposite": "* {a}: {v}. It would be {other} if it moved.",
     "weighed": "* {a}: {v}, and not {other}",
+    "explained by what was": "* {a}: {v}, no longer as it was",
+    "explained by a denial": "* {a}: {v}. No, nothing moved; that {other} was said before is old.",
 }
 """Both values in a line, of which one is right."""
 
