@@ -37,7 +37,7 @@ _TRUTH = r"(true|false|unknown)\b"
 _WITHDRAWN = re.compile(
     rf"[^.\n]{{0,30}}\b(?:changed|changes|becomes|became|turned|now|corrected)\b[^.\n]{{0,12}}?\b{_TRUTH}"
     r"|\s*[(\[]\s*(?:before|previous|previously|old|earlier|initial|initially|at first|expected)\s*[)\]]"
-    r"|[\s,;.…–—-]*(?:no longer|not any ?more|no more)\b"
+    r"|[ \t,;…–—-]*(?:no longer|not any ?more|no more)\b(?=[ \t]*(?:[.,;:!)]|\n|\Z))"
     r"|[\s,;.…–—-]*(?:wait|hmm|actually|correction|rather|sorry|scratch that|on second thoughts?|i mean|no[,:;.–—])"
     rf"[^\n]{{0,80}}?\b{_TRUTH}|[\s,(]*(?:if|unless)\b[^\n]{{0,80}}?\b{_TRUTH}",
     re.IGNORECASE,
