@@ -20,6 +20,8 @@ READ = {
     "* lit(a): Unknown -> False -> True": TRUE,
     "* lit(a): True. It was False before.": TRUE,
     "* lit(a): True, was False": TRUE,
+    "* lit(a): False. No longer bright (was True).": FALSE,
+    "* lit(a): True, no longer dark": TRUE,
     "lit(a): False\n* lit(a): True": TRUE,
     "ｌｉｔ（ａ）： Ｔｒｕｅ": TRUE,
     "lit(a)：真": TRUE,
