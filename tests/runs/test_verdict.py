@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pix2pred.runs.verdict import Climbed, concerns
+from pix2pred.runs.verdict import Climbed, concerns, sentences, spoken
 from pix2pred.structs import (
     Action,
+    FromFeatures,
     FromVLM,
     Label,
     LabelledDemo,
@@ -57,3 +58,26 @@ def test_an_effect_that_the_labels_deny_is_named(hot_ends: bool, hot_after: bool
 def test_a_minority_of_wrong_labels_is_no_concern() -> None:
     demos = [demo(i, hot_after=i == 0) for i in range(3)]
     assert not [c for c in concerns(model(hot_ends=True), demos, CLIMBED) if "at odds" in c.text]
+
+
+@pytest.mark.parametrize(
+    ("expression", "said"),
+    [
+        ("(<= robot.fingers_open 0.5)", "fingers open of the robot {} at most 0.5"),
+        ("(not (<= robot.fingers_open 0.5))", "fingers open of the robot {} above 0.5"),
+        ("(forall (<= robot.fingers_open 2))", "for every object: fingers open of the robot at most 2"),
+        ("(not (forall (<= robot.fingers_open 2)))", "not for every object: fingers open of the robot at most 2"),
+    ],
+)
+def test_formulas_of_the_grammar_are_said_in_words(expression: str, said: str) -> None:
+    robot = Type("robot", ("fingers_open",))
+    places = () if "forall" in expression else (robot,)
+    formula = Predicate("[[0:robot].fingers_open<=[idx_0]0.5]", places, FromFeatures(expression))
+    named = Predicate("Closed", places, FromFeatures(expression))
+    meet = Skill("Meet", (robot, robot))
+    variables = Variable("?x0", robot), Variable("?x1", robot)
+    used = frozenset(LiftedAtom(p, variables[1 : 1 + len(places)]) for p in (formula, named))
+    op = Operator("Op0", variables, used, frozenset(), frozenset(), meet, variables)
+    assert set(spoken(op).needs) == {said.format(2), "Closed(robot 2)" if places else "Closed()"}
+    (sentence,) = sentences([op])
+    assert said.format(2) in sentence and "[" not in sentence

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from pix2pred.runs.verdict import sentences
+from pix2pred.runs.verdict import meaning, sentences
 from pix2pred.structs import Operator
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.progress import Stage
@@ -92,7 +92,10 @@ def print_json(data: Mapping[str, Any]) -> None:
 
 def print_learned(metrics: Mapping[str, Any], operators: Sequence[Operator]) -> None:
     """What was proposed, selected and learned, and the verdict on it, in sentences to read aloud."""
-    selected = ", ".join(metrics["selected"])
+    words = {
+        a.predicate.name: meaning(a.predicate) for op in operators for a in (*op.preconditions, *op.add, *op.delete)
+    }
+    selected = ", ".join(words.get(name) or name for name in metrics["selected"])
     js = metrics["J"]
     say(
         f"Learned from {counted(metrics['demonstrations'], 'demonstration')} with "

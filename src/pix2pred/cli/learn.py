@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -171,11 +172,13 @@ def run_learning(
 def say_where_questions_wait(model: ModelSpec) -> None:
     """Say where questions wait, if the model is a person."""
     if model.waits_in is not None:
+        place = model.waits_in.resolve()
+        shown = Path(min(str(place), os.path.relpath(place), key=len))
         err.print(
-            f"Questions wait for answers in {model.waits_in}. In another terminal: pix2pred mailbox "
-            f"{quoted(model.waits_in)} --open\n(or by hand: its README.md says how). Ctrl-C stops; the same command "
-            "goes on.",
+            f"Questions wait for answers in {shown}. In another terminal:\n  pix2pred mailbox {quoted(shown)} --open\n"
+            "(or by hand: its README.md says how). Ctrl-C stops; the same command goes on.",
             markup=False,
+            soft_wrap=True,
         )
 
 

@@ -31,8 +31,7 @@ from pix2pred.report.sections.pool import pool_entries, rejected_lines
 from pix2pred.report.sections.questions import questions
 from pix2pred.report.sections.shots import shots
 from pix2pred.report.sections.tables import tables
-from pix2pred.report.sections.wording import meaning
-from pix2pred.runs.verdict import spoken
+from pix2pred.runs.verdict import meaning, spoken
 
 SCRIPTS = ("page.js", "review.js")
 

@@ -46,7 +46,7 @@ def photo_task(run: RunFolder, model: WorldModel, photos: Sequence[Path], said: 
         named = [look_up("object", text, known) for text in said.objects if ":" not in text]
     except ValueError as error:
         there = ", ".join(f"{o.name} ({o.type.name})" for o in sorted(known.values()))
-        raise PhotoTaskError(f"{error}; the demonstrations have {there}") from error
+        raise PhotoTaskError(f"{error}; the demonstrations have {there}, and --thing NAME:TYPE adds another") from error
     used = {o for atom in (*goal, *given) for o in atom.objects} | set(named) | set(new)
     objects = tuple(sorted(used if named else set(known.values())))
     cameras = _cameras(run)

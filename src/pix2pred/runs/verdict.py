@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from pix2pred.structs import GroundOperator, LabelledDemo, LiftedAtom, Operator, WorldModel
+from pix2pred.structs import FromFeatures, GroundOperator, LabelledDemo, LiftedAtom, Operator, Predicate, WorldModel
+from pix2pred.structs.expressions import in_words, parse_expression
 from pix2pred.structs.plans import changes
 
 _MADE = {True: "becomes true", False: "becomes false"}
@@ -171,7 +172,20 @@ def spoken(op: Operator) -> Spoken:
     }
 
     def said(atoms: Iterable[LiftedAtom]) -> tuple[str, ...]:
-        return tuple(f"{a.predicate.name}({', '.join(called[v] for v in a.variables)})" for a in sorted(atoms))
+        return tuple(_said_of(a.predicate, [called[v] for v in a.variables]) for a in sorted(atoms))
 
     skill = f"{op.skill.name}({', '.join(called[v] for v in op.skill_args)})"
     return Spoken(skill, said(op.preconditions), said(op.add), said(op.delete))
+
+
+def _said_of(predicate: Predicate, arguments: Sequence[str]) -> str:
+    """``on(cup, tray)``; a predicate of the feature grammar, whose name is a formula, as one says it."""
+    if "[" in predicate.name and (words := meaning(predicate, *arguments)):
+        return words
+    return f"{predicate.name}({', '.join(arguments)})"
+
+
+def meaning(predicate: Predicate, called: str = "") -> str:
+    """``fingers of the robot at most 0.5``; empty for a predicate that is not computed from features."""
+    source = predicate.source
+    return in_words(parse_expression(source.expression), called) if isinstance(source, FromFeatures) else ""

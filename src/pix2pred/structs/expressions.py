@@ -127,3 +127,15 @@ def parse_expression(text: str, depth: int = 0) -> Expression:
         raise ExpressionError(f"expected (<= type.feature number), (not E) or (forall E), found {text[:80]!r}")
     inner = parse_expression(wrapped[2], depth + 1)
     return Not(inner) if wrapped[1] == "not" else ForAll(inner)
+
+
+def in_words(expression: Expression, called: str = "", *, holds: bool = True) -> str:
+    """``fingers of the robot at most 0.5``, or above it unless that ``holds``; ``called`` is said for the type."""
+    match expression:
+        case Not(inner):
+            return in_words(inner, called, holds=not holds)
+        case ForAll(inner):
+            return ("for every object: " if holds else "not for every object: ") + in_words(inner)
+        case AtMost(type_name, feature, bound):
+            limit = "at most" if holds else "above"
+            return f"{feature.replace('_', ' ')} of the {called or type_name} {limit} {bound:.4g}"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pix2pred.predicates.correction_rows import Standing
 from pix2pred.report.contents import Contents
 from pix2pred.report.sections.curve import j_text
-from pix2pred.report.sections.wording import meaning
+from pix2pred.runs.verdict import meaning
 from pix2pred.structs import FromVLM, Label, Predicate
 from pix2pred.structs.predicates import source_name
 
