@@ -11,8 +11,8 @@ from pix2pred.planning.conditional import ConditionalStrips, When
 from pix2pred.planning.heuristics import sliced_ff
 from pix2pred.planning.heuristics.landmarks import LandmarkCount
 from pix2pred.planning.heuristics.sliced_ff import SlicedFF
+from pix2pred.planning.search.batches.successors import Successors
 from pix2pred.planning.search.search import SearchResult
-from pix2pred.planning.search.successors import Successors
 from pix2pred.planning.strips import bits
 from pix2pred.structs import PlanStatus
 from planning.random_tasks import random_strips, relaxed_reachable, run, shortest

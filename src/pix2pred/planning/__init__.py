@@ -9,7 +9,7 @@ from pix2pred.planning.heuristics.lmcut import LMCut
 from pix2pred.planning.heuristics.lmcut_costs import landmark_cut
 from pix2pred.planning.planner import Planner, TaskPlanner
 from pix2pred.planning.search.astar import AStar
-from pix2pred.planning.search.batches import LazyBatches
+from pix2pred.planning.search.batches.lazy_batches import LazyBatches
 from pix2pred.planning.search.bounded import Bounded
 from pix2pred.planning.search.greedy import GreedyBestFirst
 from pix2pred.planning.search.lazy import LazyGreedy

@@ -26,7 +26,7 @@ class LazyBatches(Satisficing):
 
     def _first(self, task: Strips) -> SearchResult:
         from pix2pred.planning.heuristics.sliced_ff import STATES, SlicedFF, TooDeepError  # loads numpy, as turns do
-        from pix2pred.planning.search.turns import DeferredNode, TakingTurns
+        from pix2pred.planning.search.batches.turns import DeferredNode, TakingTurns
 
         if task.is_goal(task.initial):
             return SearchResult(PlanStatus.SOLVED, (), 1)

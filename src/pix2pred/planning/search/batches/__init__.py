@@ -1,0 +1,1 @@
+"""Greedy search that evaluates many states at once."""
