@@ -320,10 +320,10 @@ def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
             hosted_model(OpenAICompatible(), f"tiny@{server.url}"), ShownPictures(), FlowSettings(timeout=0.8)
         )
         if not rates:
-            vlm.answer(Request(Purpose.LABEL, ("x",), 10))
+            vlm.answer(Request(Purpose.LABEL, ("x",), 100))
         else:
             with pytest.raises(VLMError) as caught:
-                vlm.answer(Request(Purpose.LABEL, ("x",), 10))
+                vlm.answer(Request(Purpose.LABEL, ("x",), 100))
             error = caught.value
             assert error.__cause__ is None and error.__suppress_context__
             told = "".join(traceback.TracebackException.from_exception(error, capture_locals=False).format())

@@ -72,8 +72,8 @@ def _table(answer: list[str], rng: random.Random) -> str:
     return "\n".join(["## Values", "", "| predicate | value | why |", "|---|---|---|", *rows])
 
 
-def _german(answer: list[str], rng: random.Random) -> str:
-    words = {"True": "Wahr", "False": "Falsch", "Unknown": "Unbekannt"}
+def _finnish(answer: list[str], rng: random.Random) -> str:
+    words = {"True": "Tosi", "False": "Valhe", "Unknown": "Tuntematon"}
     return "\n".join(re.sub(r": (\w+)\.", lambda m: f": {words[m[1]]}.", a) for a in answer).replace("* ", "- ", 1)
 
 
@@ -92,7 +92,7 @@ WRITINGS: dict[str, Writing] = {
     "quoted orders": _obeying,
     "missing": lambda a, rng: "\n".join(a[:: 2 if rng.random() < 0.5 else 3]),
     "misspelt": _misspelt,
-    "another language": _german,
+    "another language": _finnish,
 }
 READABLE = ("reordered", "duplicated", "invented", "markdown", "bold", "latex", "quoted orders")
 """Ways of writing that lose nothing, so they may come every time."""
