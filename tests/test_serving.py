@@ -18,7 +18,7 @@ from lamps_run import learn_lamps
 from pix2pred.api import Model, learn, load_solver
 from pix2pred.cli.app import run as command
 from pix2pred.runs.folder import RunFolder, RunFolderError
-from pix2pred.runs.photo_task import known_objects
+from pix2pred.runs.photo_task import PhotoTaskError, known_objects
 from pix2pred.serving import Tools
 from pix2pred.vlm import VLMError
 
@@ -56,6 +56,18 @@ def test_a_plan_from_atoms_is_valid_and_explained(tools: Tools) -> None:
     assert checked["valid"] and {fact for step in checked["steps"] for fact in step["added"]} >= {"Done l1", "Done l2"}
     short = tools.validate(THINGS, [], GOAL, planned["lines"][:1])
     assert not short["valid"] and len(short["unmet"]) == 1
+
+
+def test_goals_may_say_not_and_or(tools: Tools) -> None:
+    goal = ["Done(l1) or Done(l2) and not Done(l1)"]
+    planned = tools.plan_from_atoms(THINGS, [], goal)
+    assert planned["status"] == "solved" and len(planned["lines"]) == 1
+    assert tools.validate(THINGS, [], goal, planned["lines"])["valid"]
+    assert not tools.validate(THINGS, [], goal, [])["valid"]
+    assert tools.plan_from_atoms(THINGS, [], ["not Done(l1)"])["plan"] == []
+    assert tools.plan_from_atoms(THINGS, ["Done(l1)"], ["not Done(l1)"])["status"] == "unsolvable"
+    with pytest.raises(PhotoTaskError, match=r"at the end of 'Done\(l1\) or'"):
+        tools.plan_from_atoms(THINGS, [], ["Done(l1) or"])
 
 
 @pytest.fixture(scope="module")

@@ -43,6 +43,7 @@ SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
 
 PORTFOLIOS: dict[str, Callable[[], Search]] = {
     "portfolio": lambda: Portfolio((AStar(max_nodes=5_000), GreedyBestFirst())),
+    "batches": LazyBatches,
     "quick": lambda: Polished(
         Portfolio(
             (
@@ -54,7 +55,7 @@ PORTFOLIOS: dict[str, Callable[[], Search]] = {
         )
     ),
 }
-"""``portfolio``, the default, plans optimally where that is cheap, else greedily; ``quick`` is for large tasks.
+"""``portfolio``, the default, plans optimally where that is cheap, else greedily; the others are for large tasks.
 
 Searches of other packages, callables from a ground task to a ``SearchResult``, come from the group
 ``pix2pred.searches``.

@@ -14,6 +14,7 @@ from typing import Any
 
 from pix2pred import __version__
 from pix2pred.execution import PlannedScene, Solver, plan_scene
+from pix2pred.planning.alternatives import plan_for_any
 from pix2pred.planning.pddl.check import check_plan
 from pix2pred.planning.pddl.read import read_domain, read_problem
 from pix2pred.planning.pddl.steps import read_plan
@@ -22,6 +23,7 @@ from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.photo_task import PhotoTaskError, SceneInWords, atom_in_words, names_of, object_in_words, photo_task
 from pix2pred.runs.plan_folder import plan_document
 from pix2pred.structs import AbstractState, Atom, Object, PlanStatus, Predicate
+from pix2pred.structs.goals.words import parse_goals
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.extras import optional
 
@@ -77,7 +79,8 @@ class Tools:
     ) -> dict[str, Any]:
         """A plan for the goal atoms from what the photos show, what it rests on, or what is missing for one.
 
-        ``photos``, ``objects`` and ``holds`` are as for ``describe``; ``goal`` lists the atoms that are to hold.
+        ``photos``, ``objects`` and ``holds`` are as for ``describe``; ``goal`` lists what is to hold:
+        atoms, or ``not``, ``and`` and ``or`` of atoms.
         """
         if not goal:
             raise PhotoTaskError("goal: name at least one atom that is to hold, such as 'On(cup, table)'")
@@ -89,9 +92,9 @@ class Tools:
 
         ``objects`` are written ``name:type``; every atom that ``holds`` does not list is false.
         """
-        things, state, wanted = self._in_words(objects, holds, goal)
+        things, state, goals = self._in_words(objects, holds, goal)
         model = self.solver.model
-        result = self.solver.planner.plan(model.operators, things, state, wanted)
+        _, result = plan_for_any(self.solver.planner, model.operators, things, state, goals)
         lines = write_plan(model, things, result.plan).splitlines() if result.status == PlanStatus.SOLVED else []
         return {"status": result.status.value, "plan": [str(step) for step in result.plan], "lines": lines}
 
@@ -100,10 +103,10 @@ class Tools:
 
         ``objects`` and ``holds`` are as for ``plan_from_atoms``; ``lines`` are steps as ``(action object ...)``.
         """
-        things, state, wanted = self._in_words(objects, holds, goal)
+        things, state, goals = self._in_words(objects, holds, goal)
         model = self.solver.model
         domain = read_domain(write_domain(model))
-        problem = read_problem(write_problem(model, "asked", things, state, wanted), domain)
+        problem = read_problem(write_problem(model, "asked", things, state, *goals), domain)
         return check_plan(domain, problem, read_plan("\n".join(lines), domain, problem)).as_dict()
 
     def all(self) -> tuple[Tool, ...]:
@@ -126,15 +129,15 @@ class Tools:
 
     def _in_words(
         self, objects: Sequence[str], holds: Sequence[str], goal: Sequence[str]
-    ) -> tuple[tuple[Object, ...], AbstractState, tuple[Atom, ...]]:
+    ) -> tuple[tuple[Object, ...], AbstractState, tuple[tuple[Atom, ...], ...]]:
         names = names_of(self.solver.model)
         try:
             things = {o.name: o for o in (object_in_words(text, names) for text in objects)}
             state = frozenset(atom_in_words(text, names, things) for text in holds)
-            wanted = tuple(atom_in_words(text, names, things) for text in goal)
+            goals = parse_goals(goal, lambda written: names.atom(written.name, written.args, things)) or ((),)
         except ValueError as error:
             raise PhotoTaskError(str(error)) from error
-        return tuple(sorted(things.values())), state, wanted
+        return tuple(sorted(things.values())), state, goals
 
 
 def _predicate(predicate: Predicate) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
+import yaml
 
 from pix2pred.demos import FolderError, Problem, check_project, read_project, read_tasks
 
@@ -334,6 +335,10 @@ def test_demo_folders_with_unusable_names(project: Path) -> None:
     [
         ('["Full(z)"]', "[]", 6, "needs a goal"),
         ('["Full(z)"]', '["Full(zz)"]', 6, "did you mean 'z'?"),
+        ('["Full(z)"]', '["On(a, z)", "Full(z) or not Full(zz)"]', 6, "did you mean 'z'?"),
+        ('["Full(z)"]', '["not Full(z) or"]', 6, "at the end of 'not Full(z) or'"),
+        ('["Full(z)"]', '["Full(z)", "not Full(z)"]', 6, "the goal can never hold"),
+        ('["On(a, z)"]', '["not On(a, z)"]', 8, "only the goal of a task may say what must not hold"),
         ('["On(a, z)"]', '["On(a, b)"]', 8, "object 'b' is not declared"),
         ("type: cup, descriptor", "type: cop, descriptor", 5, "did you mean 'cup'?"),
         ("version: 1", "version: 0", 2, "version is 0"),
@@ -347,6 +352,18 @@ def test_problems_of_a_task(project: Path, old: str, new: str, line: int, messag
     assert message in problem.message
     with pytest.raises(FolderError):
         read_tasks(project, read_project(project).vocabulary)
+
+
+def test_goals_of_tasks_may_say_not_and_or(project: Path) -> None:
+    file = project / "tasks/t1/task.yaml"
+    edit(file, '["Full(z)"]', '["not On(a, z)", "Full(z) or not (Full(a) or On(z, a))"]')
+    vocabulary = read_project(project).vocabulary
+    (stored,) = read_tasks(project, vocabulary)
+    goals = [[str(atom) for atom in goal] for goal in stored.task.goals]
+    assert goals == [["not On(a, z)", "Full(z)"], ["not On(a, z)", "not Full(a)", "not On(z, a)"]]
+    doc = yaml.safe_load(file.read_text())
+    edit(file, str(doc["goal"][0]), "Full(a)")
+    assert len(read_tasks(project, vocabulary)[0].task.goals) == 1, "the other way contradicts it"
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", "[" * 100_000, '{"a": NaN}', "\x00"])

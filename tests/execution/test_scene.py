@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -11,6 +11,10 @@ from pix2pred.execution.explaining.missing import missing
 from pix2pred.execution.explaining.rests import Need, needs
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.planning import AStar, Planner
+from pix2pred.planning.pddl.check import check_plan
+from pix2pred.planning.pddl.read import read_domain, read_problem
+from pix2pred.planning.pddl.steps import read_plan
+from pix2pred.planning.pddl.write import write_domain, write_plan, write_problem
 from pix2pred.predicates import Labeller, LabelSettings, UnusableAnswersError
 from pix2pred.structs import (
     Atom,
@@ -31,7 +35,8 @@ from pix2pred.structs import (
     Vocabulary,
     WorldModel,
 )
-from pix2pred.structs.plans import signed
+from pix2pred.structs.goals.opposites import contrary, is_denial
+from pix2pred.structs.plans import effects, signed
 from pix2pred.vlm import Answer, Request
 from pix2pred.vlm.offline.prompt_format import asked_atoms
 
@@ -206,3 +211,61 @@ def test_what_a_person_tells_counts() -> None:
     assert state.given == {SERVED(C1)}
     look = guided.observe(state, told=True)
     assert guided.reached and look.assumed == ()
+
+
+def test_a_goal_may_say_what_must_not_hold() -> None:
+    found = scene(SERVED(C1), contrary(HOT(K)), contrary(EMPTY(C2)))
+    assert found.solved and [str(a) for a in found.task.goal] == ["Served(c1)", "not hot0(k)", "not empty0(c2)"]
+    end = found.seen
+    for step in found.result.plan:
+        assert step.applicable(end)
+        end = step.apply(end)
+    assert SERVED(C1) in end and FULL(C2) in end and HOT(K) not in end, "the water that was heated is used up"
+    assert [str(n.atom) for n in found.needs[-1]] == ["Served(c1)", "not empty0(c2)", "not hot0(k)"]
+    assert not any(is_denial(change.atom) for step in found.result.plan for change in effects(step))
+
+
+def test_what_must_not_hold_and_does_not_needs_no_step() -> None:
+    found = scene(contrary(HOT(K)))
+    assert found.solved and not found.result.plan and found.rests_on == (contrary(HOT(K)),)
+
+
+def test_what_cannot_be_undone_is_named_as_missing() -> None:
+    found = scene(contrary(FULL(C1)), full_of_blue_cup="True", empty_of_blue_cup="False")
+    assert not found.solved and [str(m.atom) for m in found.missing] == ["not full0(c1)"]
+
+
+def test_of_several_goals_the_one_with_the_shortest_plan_is_followed() -> None:
+    solver = Solver(MODEL, Planner(AStar()), Labeller(Told([COLD]), LabelSettings(crops=False, marks=False)))
+    several = Task("monday", (C1, C2, K), photo(0), (SERVED(C1),), ((FULL(C2),), (contrary(FULL(C1)), HOT(K))))
+    found = plan_scene(solver, several)
+    assert found.task.goal == (contrary(FULL(C1)), HOT(K)) and found.actions == ("Heat(k)",)
+    impossible = Predicate("Broken", (CUP,), FromHuman())
+    none = plan_scene(solver, replace(several, goal=(impossible(C1),), alternatives=((impossible(C2),),)))
+    assert none.task.goal == (impossible(C1),) and none.result.status == PlanStatus.UNSOLVABLE
+
+
+def test_goals_with_not_are_followed_photo_by_photo_and_held_to() -> None:
+    hot = COLD | {"hot(k)": "True"}
+    poured = COLD | {"full(blue_cup)": "True", "empty(blue_cup)": "False"}
+    for shown, done in ((hot, False), (poured, True)):
+        found = planned([hot, shown], contrary(HOT(K)))
+        assert found.actions == ("PourInto(k, c1)",)
+        guided = Guided(found)
+        look = guided.observe(photo(1), told=False)
+        assert (guided.reached, guided.step is None, bool(look.absent)) == (done, done, not done)
+        assert not any(is_denial(c.atom) for c in (*look.expected, *look.absent, *look.surplus))
+
+
+def test_goals_with_not_and_or_are_written_as_pddl() -> None:
+    found = scene(SERVED(C1), contrary(HOT(K)))
+    text = write_problem(MODEL, "monday", found.task.objects, found.seen, found.task.goal)
+    domain = read_domain(write_domain(MODEL))
+    problem = read_problem(text, domain)
+    steps = read_plan(write_plan(MODEL, found.task.objects, found.result.plan), domain, problem)
+    assert check_plan(domain, problem, steps).valid and not check_plan(domain, problem, ()).valid
+    assert "not hot0" not in text and "(not (" in text
+    several = read_problem(
+        write_problem(MODEL, "m", (C1, C2, K), frozenset(), [SERVED(C1)], [contrary(HOT(K))]), domain
+    )
+    assert check_plan(domain, several, ()).valid, "the second goal holds"

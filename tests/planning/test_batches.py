@@ -153,8 +153,8 @@ def test_a_landmark_that_is_lost_counts_again_when_the_next_needs_it() -> None:
 
 def test_a_relaxed_plan_that_works_is_all_there_is_to_find() -> None:
     chain = Strips(5, tuple(1 << i for i in range(4)), tuple(2 << i for i in range(4)), (0,) * 4, 1, 0b10000)
-    assert FollowRelaxed(least_operators=1)(chain) == SearchResult(PlanStatus.SOLVED, (0, 1, 2, 3), 1)
+    assert FollowRelaxed(least_steps=1)(chain) == SearchResult(PlanStatus.SOLVED, (0, 1, 2, 3), 1)
     assert FollowRelaxed()(chain).status == PlanStatus.BUDGET, "small tasks are searched"
     swap = Strips(3, (0b001, 0b001), (0b010, 0b100), (0b001, 0b001), 0b001, 0b110)
-    assert FollowRelaxed(least_operators=1)(swap).status == PlanStatus.BUDGET
-    assert FollowRelaxed(least_operators=0)(Strips(1, (), (), (), 0, 1)).status == PlanStatus.UNSOLVABLE
+    assert FollowRelaxed(least_steps=1)(swap).status == PlanStatus.BUDGET
+    assert FollowRelaxed(least_steps=0)(Strips(1, (), (), (), 0, 1)).status == PlanStatus.UNSOLVABLE

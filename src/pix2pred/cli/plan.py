@@ -46,7 +46,10 @@ def plan(
         list[Path] | None,
         Parameter(help="Photo of the scene, instead of --task; one per camera.", consume_multiple=True),
     ] = None,
-    goal: Annotated[list[str] | None, Parameter(help="With --photo: atoms to reach, such as 'On(cup, table)'.")] = None,
+    goal: Annotated[
+        list[str] | None,
+        Parameter(help="With --photo: what is to hold, such as 'On(cup, table)', or 'not', 'and', 'or' of such."),
+    ] = None,
     thing: Annotated[
         list[str] | None,
         Parameter(help="With --photo: object in the scene, NAME or NAME:TYPE for a new one [default: all known ones]."),
@@ -122,7 +125,7 @@ def _task(run: RunFolder, model: WorldModel, folder: Path | None, photos: Sequen
     if not photos:
         raise UsageError("--goal goes with --photo: give the photo of the scene")
     if not said.goal:
-        raise UsageError("--goal: name at least one atom that is to hold, such as --goal 'On(cup, table)'")
+        raise UsageError("--goal: say what is to hold, such as --goal 'On(cup, table)'")
     return photo_task(run, model, photos, said)
 
 

@@ -13,7 +13,7 @@ from pix2pred.demos.files.folders import DEMO, DEMOS, DOMAIN, IMAGES
 from pix2pred.demos.files.problems import Problem
 from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.demos.read import Project, StoredTask
-from pix2pred.structs import Atom, Demo, FromDomain, FromFeatures, FromHuman, FromSkills, FromVLM, State
+from pix2pred.structs import Atom, Demo, FromDomain, FromFeatures, FromHuman, FromOpposite, FromSkills, FromVLM, State
 from pix2pred.structs.expressions import ExpressionError, evaluate, parse_expression
 
 
@@ -103,7 +103,7 @@ def _at_start(atom: Atom, state: State) -> bool:
                 return evaluate(parse_expression(expression), state, atom.objects)
             except ExpressionError:
                 return False
-        case FromVLM():
+        case FromVLM() | FromOpposite():
             return False
 
 

@@ -176,11 +176,11 @@ def read_one_task(
         sheet.report(("goal",), "a task needs a goal")
     scene = SceneReader(sheet, declared, root, warned)
     objects = scene.objects(doc.objects)
-    goal = scene.atoms(("goal",), doc.goal)
+    goal, *others = scene.goals(("goal",), doc.goal) or ((),)
     images = folder / IMAGES
     initial = scene.state(("state",), doc.state, images / "0")
     check_image_folders(images, 1, found)
-    return StoredTask(Task(folder.name, objects, initial, goal), simulator, folder / SIMULATOR)
+    return StoredTask(Task(folder.name, objects, initial, goal, tuple(others)), simulator, folder / SIMULATOR)
 
 
 def _read_simulator(file: Path, root: Path, found: list[Problem]) -> Mapping[str, Any] | None:

@@ -17,10 +17,14 @@ from pix2pred.demos.pictures import PictureCheck, Shown, find_pictures
 from pix2pred.structs import Action, Application, Atom, Box, Image, Object, Picture, State, parse_application
 from pix2pred.structs.formats.documents import ObjectDoc
 from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
+from pix2pred.structs.goals.words import Literal, combined, parse_goal
 from pix2pred.structs.skills import FAILED
 
 _INSIDE = re.compile(r"([^\[\]]*?),?\s*(\[[^\[\]]*\])\s*\)\s*\Z")
 """An action whose parameters stand behind its objects, as the method's authors write them: ``pick(cup, hand, [])``."""
+
+_WORDS = re.compile(r"(?:^|[\s()])(?:[Nn]ot|NOT|and|or)(?=[\s(])|[!~\u00ac]")
+"""A goal that is more than an atom."""
 
 
 class SceneReader:
@@ -77,10 +81,10 @@ class SceneReader:
             self._sheet.report(loc, message)
             self._broken.add(name)
 
-    def atoms(self, loc: Loc, texts: Sequence[str]) -> tuple[Atom, ...]:
-        """The atoms written as ``On(a, b)``, in the order written."""
+    def atoms(self, loc: Loc, texts: Sequence[str], first: int = 0) -> tuple[Atom, ...]:
+        """The atoms written as ``On(a, b)``, in the order written; ``first`` is the number of the first entry."""
         atoms = []
-        for i, text in enumerate(texts):
+        for i, text in enumerate(texts, start=first):
             if is_unfilled(text):
                 signatures = [p.signature for p in self._names.predicates.values()]
                 self._sheet.report((*loc, i), ask_for_atom(str(loc[-1]), signatures))
@@ -88,10 +92,36 @@ class SceneReader:
             try:
                 written = _parse(text)
                 if not self._is_broken(written):
-                    atoms.append(self._names.atom(written.name, written.args, self._objects))
+                    atoms.append(self._atom(written))
             except ValueError as error:
                 self._sheet.report((*loc, i), str(error))
         return tuple(atoms)
+
+    def goals(self, loc: Loc, texts: Sequence[str]) -> tuple[tuple[Atom, ...], ...]:
+        """The conjunctions of which one is to be reached; a text may be ``not``, ``and`` and ``or`` of atoms."""
+        parts: list[list[tuple[Literal, ...]]] = []
+        for i, text in enumerate(texts):
+            if not _WORDS.search(text):
+                parts += [
+                    [((Application(a.predicate.name, tuple(o.name for o in a.objects)), True),)]
+                    for a in self.atoms(loc, [text], i)
+                ]
+                continue
+            try:
+                part = parse_goal(text)
+                if not any(self._is_broken(written) for literals in part for written, _ in literals):
+                    combined([part], self._atom)
+                    parts.append(part)
+            except ValueError as error:
+                self._sheet.report((*loc, i), str(error))
+        try:
+            return combined(parts, self._atom)
+        except ValueError as error:
+            self._sheet.report(loc, str(error))
+            return ()
+
+    def _atom(self, written: Application) -> Atom:
+        return self._names.atom(written.name, written.args, self._objects)
 
     def actions(self, loc: Loc, texts: Sequence[str]) -> tuple[Action, ...]:
         """The actions written as ``Push(a, b)[0.1, -0.2]``; behind those that failed stands ``failed``."""

@@ -18,6 +18,7 @@ from pix2pred.demos.read import read_project, read_tasks
 from pix2pred.structs import Action, Demo, Image, Object, State, Vocabulary
 from pix2pred.structs.environment import SimulatedTask
 from pix2pred.structs.formats.writing import predicate_doc, skill_doc, type_doc
+from pix2pred.structs.goals.words import shown
 from pix2pred.structs.skills import FAILED
 
 
@@ -154,7 +155,7 @@ def _write_task(folder: Path, simulated: SimulatedTask) -> None:
         "format": TaskDoc.FORMAT,
         "version": VERSION,
         "objects": _objects_doc(task.objects),
-        "goal": [str(atom) for atom in task.goal],
+        "goal": shown(task.goals),
         "state": write_state(folder / IMAGES / "0", task.initial, task.objects),
     }
     _write_yaml(folder / TASK, doc)

@@ -84,7 +84,7 @@ class Guided:
         if self.step is not None or self.reached or not self.looks:
             return ()
         task = self.scene.task
-        return missing(self.scene.solver.model.operators, task.objects, self.seen, task.goal)
+        return missing(self.scene.solver.operators(task), task.objects, self.seen, task.goal)
 
     @property
     def expected_listed(self) -> tuple[Change, ...]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 from pix2pred.execution.avoiding import plan_avoiding
+from pix2pred.execution.belief.denials import SeeingDenials
 from pix2pred.execution.belief.perception import AtTheirWord, Believing, Perceiving, Perception
 from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, open_loop
 from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
@@ -14,6 +15,7 @@ from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
 from pix2pred.execution.pursuit import nearest_plan, safer_plan
 from pix2pred.planning import TaskPlanner
+from pix2pred.planning.alternatives import plan_for_any
 from pix2pred.predicates import StateLabeller
 from pix2pred.structs import (
     AbstractState,
@@ -21,6 +23,7 @@ from pix2pred.structs import (
     Episode,
     Failure,
     FromVLM,
+    Operator,
     PlanResult,
     PlanStatus,
     Task,
@@ -28,6 +31,7 @@ from pix2pred.structs import (
     WorldModel,
 )
 from pix2pred.structs.environment import Environment, StepStatus
+from pix2pred.structs.goals.opposites import changing_denials, denied_in
 from pix2pred.structs.samplers import Sampler
 
 
@@ -53,7 +57,7 @@ class Solver:
     def plan(self, task: Task) -> tuple[AbstractState, PlanResult]:
         """What is seen of the initial state, and the plan made from it. Needs no simulator."""
         seen = self.perception(task).start(task.initial)
-        return seen, self.plan_from(task, seen)
+        return seen, self.plan_from(self.aimed(task, seen), seen)
 
     def solve(
         self, task: Task, environment: Environment, truth: TruthOf | None = None, announce: Announce = tell_nobody
@@ -64,7 +68,7 @@ class Solver:
         """
         environment.reset()
         perception = self.perception(task)
-        perception.start(task.initial)
+        task = self.aimed(task, perception.start(task.initial))
         result = self.first_plan(task, perception)
         seen = perception.state
         outcome = None
@@ -99,10 +103,23 @@ class Solver:
         for _ in self.labeller.together.map(lambda task: self.perception(task).start(task.initial), tasks):
             pass
 
-    def perception(self, task: Task) -> Perception:
-        """What knows the states of one episode of ``task``."""
-        perceiving = self.perceiving or (Believing() if self.closed_loop else AtTheirWord)
-        return perceiving(self.model, task, self.labeller)
+    def perception(self, task: Task, otherwise: Perceiving | None = None) -> Perception:
+        """What knows the states of one episode of ``task``; ``otherwise`` in place of the default."""
+        perceiving = self.perceiving or otherwise or (Believing() if self.closed_loop else AtTheirWord)
+        made = perceiving(self.model, task, self.labeller)
+        denied = denied_in(atom for goal in task.goals for atom in goal)
+        return SeeingDenials(made, self.model, task, denied) if denied else made
+
+    def operators(self, task: Task) -> tuple[Operator, ...]:
+        """The learned operators, which change as well what the goals of ``task`` say must not hold."""
+        return changing_denials(self.model.operators, denied_in(atom for goal in task.goals for atom in goal))
+
+    def aimed(self, task: Task, seen: AbstractState) -> Task:
+        """``task`` with one goal: of several that are as good the one that takes the fewest steps from ``seen``."""
+        if not task.alternatives:
+            return task
+        goal, _ = plan_for_any(self.planner, self.model.operators, task.objects, seen, task.goals)
+        return replace(task, goal=goal, alternatives=())
 
     def first_plan(self, task: Task, perception: Perception) -> PlanResult:
         """A plan from what ``perception`` holds, after the atoms in doubt that it rests on were asked about again.
@@ -128,7 +145,7 @@ class Solver:
 
     def plan_from(self, task: Task, seen: AbstractState, avoided: Collection[Action] = ()) -> PlanResult:
         """A plan for ``task`` from the state ``seen``, without the actions ``avoided``."""
-        given = (self.model.operators, task.objects, seen, task.goal)
+        given = (self.operators(task), task.objects, seen, task.goal)
         found = plan_avoiding(self.planner, *given, avoided) if avoided else self.planner.plan(*given)
         if len(found.plan) > self.max_skills:
             return PlanResult(PlanStatus.BUDGET, (), found.nodes, found.seconds)

@@ -10,6 +10,7 @@ from pix2pred.structs import (
     FromDomain,
     FromFeatures,
     FromHuman,
+    FromOpposite,
     FromSkills,
     FromVLM,
     Label,
@@ -17,6 +18,7 @@ from pix2pred.structs import (
     State,
 )
 from pix2pred.structs.expressions import evaluate, parse_expression
+from pix2pred.structs.goals.opposites import contrary
 
 
 def is_asked(atom: Atom) -> bool:
@@ -37,6 +39,9 @@ def local_values(atom: Atom, states: Sequence[State], actions: Sequence[Action])
             return [Label.of(evaluate(parsed, state, atom.objects)) for state in states]
         case FromSkills() as source:
             return _by_skills(source, atom, states[0], actions)
+        case FromOpposite():
+            there = local_values(contrary(atom), states, actions)
+            return [Label.of(value == Label.FALSE) for value in there]
         case FromVLM():
             raise AssertionError(f"{atom} is labelled by a model, not locally")
 

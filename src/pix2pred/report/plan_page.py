@@ -54,6 +54,7 @@ _SOURCES = {
     "domain": "listed with the photo",
     "skills": "declared: follows from the skills",
     "features": "computed from features",
+    "opposite": "the contrary does not hold",
 }
 
 

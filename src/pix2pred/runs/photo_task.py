@@ -13,6 +13,7 @@ from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.layout import AS_SAID, EVIDENCE
 from pix2pred.structs import Atom, Object, Picture, State, Task, WorldModel, parse_application
 from pix2pred.structs.formats.names import DeclaredNames, look_up
+from pix2pred.structs.goals.words import parse_goals
 
 
 class PhotoTaskError(RunFolderError):
@@ -41,19 +42,20 @@ def photo_task(run: RunFolder, model: WorldModel, photos: Sequence[Path], said: 
     try:
         new = [object_in_words(text, names) for text in said.objects if ":" in text]
         known |= {o.name: o for o in new}
-        goal = tuple(atom_in_words(text, names, known) for text in said.goal)
+        goals = parse_goals(said.goal, lambda written: names.atom(written.name, written.args, known))
         given = frozenset(atom_in_words(text, names, known) for text in said.given)
         named = [look_up("object", text, known) for text in said.objects if ":" not in text]
     except ValueError as error:
         there = ", ".join(f"{o.name} ({o.type.name})" for o in sorted(known.values()))
         raise PhotoTaskError(f"{error}; the demonstrations have {there}, and --thing NAME:TYPE adds another") from error
-    used = {o for atom in (*goal, *given) for o in atom.objects} | set(named) | set(new)
+    goal, *others = goals or ((),)
+    used = {o for atoms in (goal, *others, given) for atom in atoms for o in atom.objects} | set(named) | set(new)
     objects = tuple(sorted(used if named else set(known.values())))
     cameras = _cameras(run)
     if len(photos) != len(cameras):
         raise PhotoTaskError(f"--photo: give {len(cameras)}, one for each of {', '.join(cameras)} in this order")
     pictures = tuple(Picture(c, clean_copy(photo, max_side=None), {}) for c, photo in zip(cameras, photos, strict=True))
-    return Task(photos[0].stem, objects, State(pictures, {}, given), goal)
+    return Task(photos[0].stem, objects, State(pictures, {}, given), goal, tuple(others))
 
 
 def names_of(model: WorldModel) -> DeclaredNames:

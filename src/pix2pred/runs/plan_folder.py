@@ -31,6 +31,8 @@ from pix2pred.runs.folder import RunFolder, RunFolderError
 from pix2pred.runs.verdict import doubts_about
 from pix2pred.structs import Atom, Demo, GroundOperator, Task, WorldModel
 from pix2pred.structs.formats.world_model import dump_model
+from pix2pred.structs.goals.opposites import is_denial
+from pix2pred.structs.goals.words import shown
 from pix2pred.structs.plans import signed
 from pix2pred.structs.predicates import source_name
 
@@ -152,7 +154,8 @@ def _identity(task: Task, model: WorldModel, labels_from: str) -> str:
     """SHA-256 over everything a session depends on."""
     scene = Demo(task.name, task.objects, (task.initial,), (), task.goal)
     seen = project_digest(Project(model.vocabulary, (scene,), {}, None))
-    return hashlib.sha256(json.dumps([seen, dump_model(model), labels_from]).encode()).hexdigest()
+    several = [shown(task.goals)] if task.alternatives else []
+    return hashlib.sha256(json.dumps([seen, dump_model(model), labels_from, *several]).encode()).hexdigest()
 
 
 def plan_document(scene: PlannedScene, guided: Guided | None = None) -> dict[str, Any]:
@@ -192,8 +195,8 @@ def _step_doc(step: GroundOperator) -> dict[str, Any]:
     return {
         "action": f"{step.operator.skill.name}({', '.join(o.name for o in step.skill_objects)})",
         "operator": str(step),
-        "add": [str(a) for a in sorted(step.add)],
-        "delete": [str(a) for a in sorted(step.delete)],
+        "add": [str(a) for a in sorted(step.add) if not is_denial(a)],
+        "delete": [str(a) for a in sorted(step.delete) if not is_denial(a)],
     }
 
 

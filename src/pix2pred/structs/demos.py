@@ -49,10 +49,17 @@ class Demo:
 class Task:
     """What is to be reached, and from where.
 
-    ``goal`` is a conjunction of atoms over initial predicates; ``initial`` is seen, and labelled before planning.
+    ``goal`` is a conjunction of atoms, of which some may say what must not hold (``structs.goals``). Reaching one of
+    ``alternatives``, goals like it, is as good. ``initial`` is seen, and labelled before planning.
     """
 
     name: str
     objects: tuple[Object, ...]
     initial: State
     goal: tuple[Atom, ...]
+    alternatives: tuple[tuple[Atom, ...], ...] = ()
+
+    @property
+    def goals(self) -> tuple[tuple[Atom, ...], ...]:
+        """All conjunctions of which one is to be reached."""
+        return (self.goal, *self.alternatives)

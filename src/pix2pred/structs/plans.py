@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
+from pix2pred.structs.goals.opposites import is_denial
 from pix2pred.structs.operators import GroundOperator
 from pix2pred.structs.predicates import Atom
 from pix2pred.structs.states import AbstractState
@@ -148,8 +149,12 @@ class Change:
 
 
 def changes(added: Iterable[Atom], deleted: Iterable[Atom]) -> tuple[Change, ...]:
-    """The changes that make ``added`` true and ``deleted`` false: those that add first, each group sorted by atom."""
-    return (*(Change(a, True) for a in sorted(added)), *(Change(a, False) for a in sorted(deleted)))
+    """The changes that make ``added`` true and ``deleted`` false: those that add first, each group sorted by atom.
+
+    That an atom's opposite becomes false or true is no change of its own.
+    """
+    gained, lost = (sorted(a for a in atoms if not is_denial(a)) for atoms in (added, deleted))
+    return (*(Change(a, True) for a in gained), *(Change(a, False) for a in lost))
 
 
 def changes_between(before: AbstractState, after: AbstractState) -> tuple[Change, ...]:

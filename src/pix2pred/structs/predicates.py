@@ -58,8 +58,16 @@ class FromSkills:
     initially: bool = False
 
 
-Source = FromDomain | FromHuman | FromVLM | FromFeatures | FromSkills
-SourceName = Literal["domain", "human", "vlm", "features", "skills"]
+@dataclass(frozen=True, slots=True)
+class FromOpposite:
+    """An atom holds where the same atom of predicate ``of`` does not: so goals say what must not hold."""
+
+    of: Predicate
+
+
+Source = FromDomain | FromHuman | FromVLM | FromFeatures | FromSkills | FromOpposite
+DeclaredSource = Literal["domain", "human", "vlm", "features", "skills"]
+SourceName = Literal[DeclaredSource, "opposite"]
 
 
 def source_name(source: Source) -> SourceName:
@@ -75,6 +83,8 @@ def source_name(source: Source) -> SourceName:
             return "features"
         case FromSkills():
             return "skills"
+        case FromOpposite():
+            return "opposite"
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,8 +178,8 @@ def parse_application(text: str) -> Application:
     match = _APPLICATION.match(text)
     if _NEGATED.match(text):
         raise ValueError(
-            f"{text!r} is negated, and atoms that must not hold are not supported: declare a predicate that says the "
-            "opposite, such as Outside for 'not In', and write that"
+            f"{text!r} is negated, and only the goal of a task may say what must not hold: declare a predicate that "
+            "says the opposite, such as Outside for 'not In', and write that"
         )
     if match is None:
         raise ValueError(f"expected Name(object, ...), found {text!r}")

@@ -69,7 +69,7 @@ class PlannedScene:
         """Without a plan: the goal atoms that cannot be reached, each followed by what it lacks."""
         if self.result.status != PlanStatus.UNSOLVABLE:
             return ()
-        return missing(self.solver.model.operators, self.task.objects, self.seen, self.task.goal)
+        return missing(self.solver.operators(self.task), self.task.objects, self.seen, self.task.goal)
 
     @cached_property
     def would_help(self) -> tuple[Atom, ...]:
@@ -92,8 +92,8 @@ def said(labels: StateLabels) -> dict[Atom, str]:
 
 def plan_scene(solver: Solver, task: Task) -> PlannedScene:
     """Label the photos of ``task``, and plan. Raises ``UnusableAnswersError`` when the model labels nothing."""
-    perception = (solver.perceiving or Believing())(solver.model, task, solver.labeller)
-    perception.start(task.initial)
+    perception = solver.perception(task, otherwise=Believing())
+    task = solver.aimed(task, perception.start(task.initial))
     result = solver.first_plan(task, perception)
     believed = {atom: perception.probability(atom) for atom in perception.labels.values}
     return PlannedScene(solver, task, perception, perception.labels, perception.state, result, believed)

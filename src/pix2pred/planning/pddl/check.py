@@ -107,7 +107,7 @@ class CheckedState:
     def execute(
         self, step: PddlStep, facts: set[NamedFact], state: set[NamedFact]
     ) -> tuple[CheckedStep, set[NamedFact]]:
-        """The step with what it changes, and the facts after it."""
+        """The step with what it changes, and the facts after it: ``facts`` themselves, changed in place."""
         action = self._actions.get(step.action)
         problem = self._misfit(step, action)
         if action is None or problem:
@@ -127,8 +127,10 @@ class CheckedState:
                 if self.holds(effect.condition, inner, state):
                     fact = (effect.literal.predicate, *(inner.get(t, t) for t in effect.literal.terms))
                     (added if effect.literal.positive else removed).add(fact)
-        after = (facts - removed) | added
-        return CheckedStep(step, (), tuple(sorted(after - facts)), tuple(sorted(facts - after)), cost), after
+        gained, lost = added - facts, (removed - added) & facts
+        facts -= lost
+        facts |= gained
+        return CheckedStep(step, (), tuple(sorted(gained)), tuple(sorted(lost)), cost), facts
 
     def _misfit(self, step: PddlStep, action: PddlAction | None) -> str:
         """Why ``step`` is no instance of an action, in words; an empty text when it is one."""
@@ -152,7 +154,9 @@ class CheckedState:
             yield {v.name: name for v, name in zip(variables, chosen, strict=True)}
 
     def derived(self, facts: set[NamedFact]) -> set[NamedFact]:
-        """``facts`` with everything that is derived from them."""
+        """``facts`` with everything that is derived from them: themselves where nothing can be."""
+        if not self._levels:
+            return facts
         state = set(facts)
         for rules in self._levels:
             before = -1

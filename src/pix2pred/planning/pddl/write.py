@@ -21,6 +21,7 @@ from pix2pred.structs import (
     Variable,
     WorldModel,
 )
+from pix2pred.structs.goals.opposites import contrary, is_denial
 
 
 def write_domain(model: WorldModel) -> str:
@@ -47,18 +48,22 @@ def write_problem(
     name: str,
     objects: Iterable[Object],
     initial: AbstractState,
-    goal: Iterable[Atom],
+    *goals: Iterable[Atom],
 ) -> str:
-    """The PDDL problem of one task of ``model``, for the domain that ``write_domain`` gives."""
+    """The PDDL problem of one task of ``model``, for the domain that ``write_domain`` gives.
+
+    Of several ``goals`` one is to be reached.
+    """
     names = _names_of_domain(described(model))
     things = "\n".join(f"   {names.form('object', o.name)} - {_type_form(o.type, names)}" for o in sorted(objects))
-    facts = "\n".join(f"   {_fact(a, names)}" for a in sorted(initial))
-    wanted = " ".join(_fact(a, names) for a in sorted(goal))
+    facts = "\n".join(f"   {_fact(a, names)}" for a in sorted(initial) if not is_denial(a))
+    conjunctions = [f"(and {' '.join(_wanted(a, names) for a in sorted(goal))})" for goal in goals]
+    wanted = conjunctions[0] if len(conjunctions) == 1 else f"(or {' '.join(conjunctions)})"
     table = "".join(f";@ name {kind} {form} {original}\n" for kind, form, original in names.changed())
     return (
         f"{table}(define (problem {names.form('problem', name)})\n"
         f" (:domain {names.form('domain', model.vocabulary.name)})\n"
-        f" (:objects\n{things}\n )\n (:init\n{facts}\n )\n (:goal (and {wanted}))\n)\n"
+        f" (:objects\n{things}\n )\n (:init\n{facts}\n )\n (:goal {wanted})\n)\n"
     )
 
 
@@ -100,6 +105,10 @@ def _predicate_line(p: Predicate, names: PddlNames) -> str:
     arguments = " ".join(f"?a{i} - {_type_form(t, names)}" for i, t in enumerate(p.types))
     line = f"   ({' '.join(filter(None, (names.form('predicate', p.name), arguments)))})"
     return f"{line}  ; {p.description}" if p.description else line
+
+
+def _wanted(atom: Atom, names: PddlNames) -> str:
+    return f"(not {_fact(contrary(atom), names)})" if is_denial(atom) else _fact(atom, names)
 
 
 def _fact(atom: Atom, names: PddlNames) -> str:

@@ -21,7 +21,7 @@ WEIGHTS = (5, 3, 2, 1)
 LONG_PLAN = 150
 """Steps from which on needless ones are left out in their order: all together costs their number to the third power."""
 
-VERY_LONG_PLAN = 2_000
+VERY_LONG_PLAN = 1_000
 """Steps from which on even that, which costs their number squared, takes more than a second."""
 
 

@@ -25,14 +25,15 @@ class Polished:
     """Plans with ``search``, then shortens: a window of steps is planned anew, the next one half a window later.
 
     ``passes`` over the plan are (steps of a window, nodes for each window); all together take ``nodes`` nodes, or fewer
-    where nodes times operators would be more than ``visits``. Nothing is done where they do not suffice for
-    a window.
+    where nodes times operators would be more than ``visits``. Plans of more than ``most_steps``, and tasks in which
+    these do not suffice for a window, are left as they are.
     """
 
     search: Search
     passes: tuple[tuple[int, int], ...] = ((8, 200), (16, 800))
     nodes: int = 4_000
     visits: int = 4_000_000
+    most_steps: int = 500
 
     def __call__(self, task: Strips) -> SearchResult:
         """Search ``task``; the plan costs at most what the plan of ``search`` does."""
@@ -41,7 +42,7 @@ class Polished:
             return found
         plan = without_needless_steps(task, found.plan)
         spent = 0
-        nodes = min(self.nodes, self.visits // max(1, len(task.pre)))
+        nodes = min(self.nodes, self.visits // max(1, len(task.pre))) if len(plan) <= self.most_steps else 0
         if type(task) is Strips:  # what a rest of a plan needs is not known where effects have conditions
             for window, each in self.passes if nodes >= self.passes[0][1] else ():
                 plan, created = self._windows(task, plan, window, each, nodes - spent)

@@ -19,20 +19,20 @@ from pix2pred.structs import PlanStatus
 class FollowRelaxed:
     """Takes the steps of the initial state's relaxed plan that can be taken, in several rounds.
 
-    For tasks with ``least_operators`` and more, where every state that is evaluated costs a lot and such a plan may be
-    all there is to find, as in long chains. The status is BUDGET where the goal is not reached.
+    For relaxed plans of ``least_steps`` and more: every state that is evaluated then costs a lot, and such a plan may
+    be all there is to find, as in long chains. The status is BUDGET where the goal is not reached.
     """
 
     heuristic: Callable[[Strips], FF] = EasyFF
-    least_operators: int = 20_000
+    least_steps: int = 200
 
     def __call__(self, task: Strips) -> SearchResult:
         """Follow the relaxed plan of ``task``."""
-        if len(task.pre) < self.least_operators:
-            return SearchResult(PlanStatus.BUDGET, (), 0)
         left = self.heuristic(task).relaxed_plan(task.initial)
         if left is None:
             return SearchResult(PlanStatus.UNSOLVABLE, (), 1)
+        if len(left) < self.least_steps:
+            return SearchResult(PlanStatus.BUDGET, (), 1)
         state = task.initial
         plan: list[int] = []
         progress = True

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
-from pix2pred.structs.predicates import SourceName
+from pix2pred.structs.predicates import DeclaredSource
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_\-]*$", max_length=100)]
 """Names of types, objects and skills: a letter, then letters, digits, ``_`` or ``-``."""
@@ -72,7 +72,7 @@ class PredicateDoc(Document):
 
     name: PredicateName
     types: tuple[Name, ...]
-    source: SourceName = "domain"
+    source: DeclaredSource = "domain"
     phrase: str | None = Field(None, description="source vlm: the word used in queries; default: the name")
     expression: str | None = Field(None, description="source features: e.g. (<= robot.fingers 0.5)")
     set_by: tuple[TriggerDoc, ...] = Field((), description="source skills: skills that make the atom true")
