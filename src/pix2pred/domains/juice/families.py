@@ -136,24 +136,24 @@ def _full_juice_cup(index: int, rng: Rng) -> Start:
 
 
 def _party(index: int, rng: Rng) -> Start:
-    """Five juices at five juicers into five cups: in turn two fruits lie outside, or one does and a cup is full.
+    """Five juices at five juicers into five cups: one fruit lies outside, and one cup is full of something else.
 
     What the printed operators do not know must not matter. A machine juices all that is in its hopper: one whose fruit
     lies outside has its cup in place already, so that no other machine is nearer. A cup leaves its region when it is
-    taken: those that stand in one are empty and stay there, a full one stands in none.
+    taken: those that stand in one are empty and stay there, a full one stands in none. The cups for the waste are not
+    tinted: from the side, far from the camera, a yellow tumbler looks as if juice were in it.
     """
     fruits = [str(k) for k in rng.permutation((*DEMONSTRATED_FRUITS, *NEW_FRUITS))]
     places = [int(k) for k in rng.permutation(len(fruits))]
-    outside, full = (2, 0) if index % 2 == 0 else (1, 1)
-    machines, vessels = [], [PartyCup(f"bowl{i + 1}", "bowl") for i in range(full)]
+    machines, vessels = [], [PartyCup("bowl", "bowl")]
     for k, (fruit, place) in enumerate(zip(fruits, places, strict=True)):
-        out, filled = k < outside, k >= len(fruits) - full
+        out, filled = k == 0, k == 1
         machines.append(PartyJuicer(None if out else fruit, opened=out, place=place))
         kind = _pick(WASTE_CUPS if filled else ("glass", "mug"), rng)
         drink = (_pick(DRINKS, rng),) if filled else ()
         vessels.append(PartyCup(f"{fruit}_cup", kind, drink, (k, Region.JUICE) if out else None))
-        vessels.append(PartyCup(f"waste_cup{k + 1}", _pick(WASTE_CUPS, rng), under=(k, Region.WASTE)))
-    world = lay_out(machines, vessels, fruits[:outside], "office", rng)
+        vessels.append(PartyCup(f"waste_cup{k + 1}", "plastic_cup", under=(k, Region.WASTE)))
+    world = lay_out(machines, vessels, fruits[:1], "office", rng)
     return Start(world, tuple(f"JuiceInCup({f}, {f}_cup)" for f in fruits))
 
 
