@@ -38,7 +38,7 @@ from pix2pred.vlm.offline.pixels import Scene
 
 TRAINING_SEED, CARD_SEED = 7001, 7002
 HIDDEN = 20
-MOST_SAMPLES = 5000
+MOST_SAMPLES = 8000
 SHRINKAGE = 1.0
 """Weight decay of the networks: of 0.01, 1, 10 and 30, this one reads most of what it never saw (60 looks of Juice)."""
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from pix2pred.domains.cleanup.scenes import (
     NARROW,
     NEW_KINDS,
     OTHER,
+    SECOND_TABLE,
     TABLE,
     WIDE,
     CleanupScene,
@@ -28,30 +30,64 @@ from pix2pred.structs import Picture
 Rng = np.random.Generator
 
 
+_CROWDED = 0.55
+"""The share of a robot's scenes with two tables, three bins and many things."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Contents:
+    """What the arrangements of a look have in common. ``things`` are kinds by name."""
+
+    things: Mapping[str, str]
+    bins: tuple[str, ...]
+    tables: tuple[str, ...]
+
+
 def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
     """``per_look`` arrangements of one differently drawn scene, apart from demonstrations and tasks."""
     rng = scene_generator(seed, Split.READER, look)
     body = Body.HUMAN if rng.random() < 0.5 else Body.ROBOT
     style = str(rng.choice(sorted(STYLES)))
+    crowded = body is Body.ROBOT and rng.random() < _CROWDED
+    has = _crowd(rng) if crowded else _few(rng)
+    plan = CleanupScene(dict.fromkeys(has.things, FLOOR), has.bins, tables=len(has.tables), kinds=has.things)
+    world = make_world(plan, body, style, rng)
+    return [_rearranged(world, has, rng) for _ in range(per_look)]
+
+
+def _few(rng: Rng) -> _Contents:
     bins = (NARROW, OTHER, WIDE) if rng.random() < 0.4 else (NARROW, WIDE)
     kinds = [str(k) for k in rng.permutation((*DEMONSTRATED_KINDS, *NEW_KINDS))[: int(rng.integers(1, 5))]]
-    things = dict.fromkeys((*kinds, "eraser"), FLOOR)
-    world = make_world(CleanupScene(things, bins), body, style, rng)
-    return [_rearranged(world, list(things), bins, rng) for _ in range(per_look)]
+    return _Contents({k: k for k in (*kinds, "eraser")}, bins, (TABLE,))
 
 
-def _rearranged(world: World, things: list[str], bins: tuple[str, ...], rng: Rng) -> World:
-    held = str(rng.choice(things)) if rng.random() < 0.35 else None
-    most_on_table = int(rng.choice((0, 0, 1, 1, 2, 9)))
+def _crowd(rng: Rng) -> _Contents:
+    """Six to fifteen things, some of a kind, and the eraser."""
+    kinds = [str(k) for k in rng.permutation((*DEMONSTRATED_KINDS, *NEW_KINDS))[: int(rng.integers(5, 11))]]
+    twice = {f"{k}2": k for k in kinds if rng.random() < 0.35}
+    things = {k: k for k in (*kinds, "eraser")} | twice
+    return _Contents(things, (NARROW, OTHER, WIDE), (TABLE, SECOND_TABLE))
+
+
+def _rearranged(world: World, has: _Contents, rng: Rng) -> World:
+    names = list(has.things)
+    held = str(rng.choice(names)) if rng.random() < 0.35 else None
     places: dict[str, str] = {}
-    for name in rng.permutation(things):
-        on_table = sum(p == TABLE for p in places.values())
-        free = on_table < most_on_table and rng.random() < 0.6
-        places[str(name)] = TABLE if free else str(rng.choice((FLOOR, FLOOR, *bins)))
-    strokes = all_strokes() if rng.random() < 0.5 else ()
-    world = world.with_thing(replace(world.thing(TABLE), strokes=strokes))
+    most = {table: int(rng.choice((0, 0, 1, 1, 2, 9))) for table in has.tables}
+    for name in rng.permutation(names):
+        table = str(rng.choice(has.tables))
+        on_table = sum(p == table for p in places.values())
+        free = on_table < most[table] and rng.random() < 0.6
+        places[str(name)] = table if free else str(rng.choice((FLOOR, FLOOR, *has.bins)))
+    for table in has.tables:
+        strokes = all_strokes() if rng.random() < 0.5 else ()
+        world = world.with_thing(replace(world.thing(table), strokes=strokes))
+    if len(has.tables) > 1:
+        world = world.with_thing(replace(world.thing(OTHER), opened=bool(rng.random() < 0.5)))
+        closed = not world.thing(OTHER).opened
+        places = {n: FLOOR if closed and p == OTHER else p for n, p in places.items()}
     lying = {n: p for n, p in places.items() if n != held}
-    gaze = str(rng.choice([TABLE, *bins, *things]))
+    gaze = str(rng.choice([*has.tables, *has.bins, *names]))
     return arranged(replace(world, holding=held, gaze=held or gaze), lying, rng)
 
 

@@ -136,22 +136,24 @@ def _full_juice_cup(index: int, rng: Rng) -> Start:
 
 
 def _party(index: int, rng: Rng) -> Start:
-    """Three fruits for three cups at three juicers; one cup for juice is full of something else, two of six stand well.
+    """Five juices at five juicers into five cups: one fruit lies outside, and one cup is full of something else.
 
-    What the printed operators do not know must not matter: that a machine juices all that is in its hopper (two of
-    them are loaded and closed), and that a cup leaves its region when it is taken (a full one stands in none).
+    What the printed operators do not know must not matter. A machine juices all that is in its hopper: one whose fruit
+    lies outside has its cup in place already, so that no other machine is nearer. A cup leaves its region when it is
+    taken: those that stand in one are empty and stay there, a full one stands in none. The cups for the waste are not
+    tinted: from the side, far from the camera, a yellow tumbler looks as if juice were in it.
     """
-    fruits = [str(k) for k in rng.permutation((*DEMONSTRATED_FRUITS, *NEW_FRUITS))[:3]]
-    outside, full, placed, waste_placed = (int(k) for k in (rng.integers(3), *rng.permutation(3)))
-    machines = [PartyJuicer(inside=None if k == outside else f, opened=k == outside) for k, f in enumerate(fruits)]
-    vessels = [PartyCup("bowl", "bowl"), PartyCup("spare", _pick(("mug", "glass"), rng))]
-    for k, fruit in enumerate(fruits):
-        kind = _pick(WASTE_CUPS if k == full else ("glass", "mug"), rng)
-        drink = (_pick(DRINKS, rng),) if k == full else ()
-        vessels.append(PartyCup(f"{fruit}_cup", kind, drink, (k, Region.JUICE) if k == placed else None))
-        under = (k, Region.WASTE) if k == waste_placed else None
-        vessels.append(PartyCup(f"waste_cup{k + 1}", _pick(WASTE_CUPS, rng), under=under))
-    world = lay_out(machines, vessels, (fruits[outside],), "office", rng)
+    fruits = [str(k) for k in rng.permutation((*DEMONSTRATED_FRUITS, *NEW_FRUITS))]
+    places = [int(k) for k in rng.permutation(len(fruits))]
+    machines, vessels = [], [PartyCup("bowl", "bowl")]
+    for k, (fruit, place) in enumerate(zip(fruits, places, strict=True)):
+        out, filled = k == 0, k == 1
+        machines.append(PartyJuicer(None if out else fruit, opened=out, place=place))
+        kind = _pick(WASTE_CUPS if filled else ("glass", "mug"), rng)
+        drink = (_pick(DRINKS, rng),) if filled else ()
+        vessels.append(PartyCup(f"{fruit}_cup", kind, drink, (k, Region.JUICE) if out else None))
+        vessels.append(PartyCup(f"waste_cup{k + 1}", "plastic_cup", under=(k, Region.WASTE)))
+    world = lay_out(machines, vessels, fruits[:1], "office", rng)
     return Start(world, tuple(f"JuiceInCup({f}, {f}_cup)" for f in fruits))
 
 

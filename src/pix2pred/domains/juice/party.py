@@ -1,4 +1,4 @@
-"""Juice for many: a low buffet with up to three juicers, and cups under their valves or aside."""
+"""Juice for many: a low buffet with up to five juicers, and cups under their valves or aside."""
 
 from __future__ import annotations
 
@@ -15,23 +15,27 @@ from pix2pred.domains.juice.scenes import cup_at, fruit_in, look, squeezed_at
 
 Rng = np.random.Generator
 
-JUICER_PLACES = ((1.00, -0.42), (1.00, 0.42), (1.50, 0.0))
-"""Two juicers in front and one behind them, at which the raised hand's camera looks between those in front."""
+JUICER_PLACES = ((1.00, 0.0), (1.50, -0.42), (1.50, 0.42), (1.00, -0.66), (1.00, 0.66))
+"""Three juicers in front and two behind, at which the raised hand's camera looks between those in front (metres)."""
 
 FREE_PLACES = (
-    (0.76, 0.0), (0.76, 0.2), (0.76, -0.2), (0.76, 0.66), (0.76, -0.66), (0.93, 0.0), (1.09, 0.0),
-    (1.0, 0.84), (1.0, -0.84), (1.17, 0.88), (1.17, -0.88), (1.34, 0.66), (1.34, -0.66),
+    (0.77, 0.24), (0.77, -0.24), (0.77, 0.46), (0.77, -0.46), (1.17, 0.20), (1.17, -0.20),
+    (1.15, 0.46), (1.15, -0.46), (1.25, 0.70), (1.25, -0.70),
 )  # fmt: skip
-"""Where vessels and fruit stand that are under no valve (metres); nothing blocks that camera's view of them."""
+"""Where vessels and fruit stand that are under no valve; nothing blocks that camera's view of them."""
 
 
 @dataclass(frozen=True, slots=True)
 class PartyJuicer:
-    """A juicer: what is in its hopper or lies squeezed before it, and whether the lid stands open."""
+    """A juicer: what is in its hopper or lies squeezed before it, whether the lid stands open, and where it stands.
+
+    ``place`` is the number of one of the buffet's places.
+    """
 
     inside: str | None = None
     squeezed: str | None = None
     opened: bool = False
+    place: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +56,8 @@ def lay_out(
     top = table_size(buffet).height
     shell = look(rng)
     juicers = [
-        Thing(f"juicer{k + 1}", "juicer", "juicer", shell, (x, y, top), opened=machine.opened)
-        for k, (machine, (x, y)) in enumerate(zip(machines, JUICER_PLACES, strict=False))
+        Thing(f"juicer{k + 1}", "juicer", "juicer", shell, (*JUICER_PLACES[m.place], top), opened=m.opened)
+        for k, m in enumerate(machines)
     ]
     things = [buffet, *juicers]
     for juicer, machine in zip(juicers, machines, strict=True):

@@ -12,7 +12,7 @@ from pix2pred.domains.home.drawing.vessels import DRINKS
 from pix2pred.domains.home.places import Region
 from pix2pred.domains.home.world import Body, Thing, World
 from pix2pred.domains.juice.families import DEMONSTRATED_FRUITS, JUICE_CUPS, NEW_FRUITS
-from pix2pred.domains.juice.party import PartyCup, PartyJuicer, lay_out
+from pix2pred.domains.juice.party import FREE_PLACES, JUICER_PLACES, PartyCup, PartyJuicer, lay_out
 from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 from pix2pred.domains.juice.skills import FULL
 from pix2pred.domains.seeds import Split, scene_generator
@@ -21,7 +21,7 @@ from pix2pred.structs import Picture
 Rng = np.random.Generator
 
 _FRUITS = (*DEMONSTRATED_FRUITS, *NEW_FRUITS)
-_PARTIES = 0.3
+_PARTIES = 0.5
 """The share of a robot's scenes with several juicers."""
 
 
@@ -39,22 +39,27 @@ def worlds_of_look(seed: int, look: int, per_look: int) -> list[World]:
 
 
 def _parties(style: str, count: int, rng: Rng) -> list[World]:
-    """Arrangements of the same things on a buffet with two or three juicers."""
-    kinds = [str(k) for k in rng.choice((*JUICE_CUPS, "bowl"), size=int(rng.integers(5, 8)))]
-    fruits = [str(k) for k in rng.permutation(_FRUITS)[: int(rng.integers(2, 4))]]
-    juicers = int(rng.integers(2, 4))
+    """Arrangements of the same things on a buffet with two to five juicers."""
+    fruits = [str(k) for k in rng.permutation(_FRUITS)[: int(rng.integers(2, 6))]]
+    juicers = int(rng.integers(2, 6))
+    most = min(11, len(FREE_PLACES) - len(fruits) + 2 * juicers)
+    kinds = [str(k) for k in rng.choice((*JUICE_CUPS, "bowl", "bowl"), size=int(rng.integers(5, most + 1)))]
+    places = [int(k) for k in rng.permutation(len(JUICER_PLACES))[:juicers]]
     worlds: list[World] = []
     for _ in range(count):
         under = [(k, region) for k in range(juicers) for region in Region]
-        taken = [under[i] for i in rng.permutation(len(under))[: int(rng.integers(len(under)))]]
+        least = max(0, len(kinds) + len(fruits) - len(FREE_PLACES))
+        number = int(rng.integers(least, 1 + min(len(under), len(kinds))))
+        taken = [under[i] for i in rng.permutation(len(under))[:number]]
+        kinds = [kinds[i] for i in rng.permutation(len(kinds))]
         vessels = [
             PartyCup(f"cup{i}", kind, under=taken[i] if i < len(taken) else None) for i, kind in enumerate(kinds)
         ]
         held = [fruits[i] if i < len(fruits) and rng.random() < 0.7 else None for i in rng.permutation(juicers)]
         inside = [rng.random() < 0.6 for _ in held]
         machines = [
-            PartyJuicer(f if i else None, None if i else f, bool(rng.random() < 0.5))
-            for f, i in zip(held, inside, strict=True)
+            PartyJuicer(f if i else None, None if i else f, bool(rng.random() < 0.5), place)
+            for f, i, place in zip(held, inside, places, strict=True)
         ]
         world = lay_out(machines, vessels, [f for f in fruits if f not in held], style, rng)
         first = worlds[0] if worlds else world

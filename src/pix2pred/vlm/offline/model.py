@@ -22,6 +22,7 @@ from pix2pred.structs import Picture
 from pix2pred.structs.formats.documents import Document
 from pix2pred.vlm.offline.fine_sight import FineScene
 from pix2pred.vlm.offline.inner_sight import InnerScene
+from pix2pred.vlm.offline.line_sight import LineScene
 from pix2pred.vlm.offline.pixels import MEASURES, Scene, Vector
 
 Array = NDArray[np.float32]
@@ -61,6 +62,7 @@ class WordListDoc(Document):
         (), description="types whose nearest objects are looked at, with the finer sight; by default the simple one"
     )
     inner: bool = Field(False, description="the finer sight also looks at what is in vessels")
+    drawn_on: tuple[str, ...] = Field((), description="types on which the finer sight also looks for drawn lines")
     decisive: tuple[str, ...] = Field((), description="cameras that, where one shows the objects, are read alone")
     words: tuple[WordDoc, ...]
 
@@ -68,6 +70,8 @@ class WordListDoc(Document):
         """What is computed from a picture whose objects have ``types``, with the sight this reader was trained for."""
         if not self.neighbours:
             return Scene(picture)
+        if self.drawn_on:
+            return LineScene(picture, types=types, kinds=self.neighbours, drawn_on=self.drawn_on)
         return (InnerScene if self.inner else FineScene)(picture, types=types, kinds=self.neighbours)
 
     def uses(self) -> list[tuple[WordDoc, tuple[str, ...]]]:
