@@ -8,20 +8,23 @@ from the demonstrations and 0, 5, 20 and 50 of these episodes. Each is asked abo
 --tasks tasks of another seed are solved in a closed loop with the cascade, and with the teacher alone. A row for each
 number of episodes is added to OUT/rows.jsonl; what is there is not computed again. ``--table`` prints all rows.
 
-Scenes, tasks and looks are those of the seed, whatever the rate, and are drawn once. A state that was seen before after
-the same skills of the same task is not drawn again.
+Scenes, tasks and looks are those of the seed, whatever the rate, and are drawn once and kept in OUT. A state that was
+seen before after the same skills of the same task is not drawn again. With --minutes it stops between two pieces of the
+work (a few scenes, learning, five episodes, a row), and goes on when it is run again.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import pickle
 import time
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from itertools import pairwise, product
+from itertools import groupby, product
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +57,8 @@ from pix2pred.vlm.offline.label_question import Look
 from pix2pred.vlm.offline.model import WordDoc, load_words
 from pix2pred.vlm.offline.prompt_format import KnownWord, states_shown
 
-CURVE = (0, 5, 20, 50)
+STEP = 5
+"""Episodes that share an answer store."""
 EPISODE_SEED, TASK_SEED, LOOK_SEED = 1000, 2000, 3000
 """Added to the seed: none of these scenes is among the demonstrations."""
 
@@ -66,6 +70,21 @@ def digests(pictures: Sequence[Picture]) -> Digests:
     return tuple(p.image.digest for p in pictures)
 
 
+class EnoughError(Exception):
+    """The time for one run of the program is used up."""
+
+
+@dataclass
+class Pieces:
+    """Pieces of the work, between which the program may stop."""
+
+    minutes: float | None
+
+    def begin(self) -> None:
+        if self.minutes is not None and time.process_time() > 60 * self.minutes:
+            raise EnoughError
+
+
 @dataclass(eq=False)
 class World:
     """A domain whose truth is noted, state by state, wherever it is looked at."""
@@ -73,8 +92,27 @@ class World:
     domain: Any
     family: str
     seed: int
+    out: Path = Path()
+    pieces: Pieces = field(default_factory=lambda: Pieces(None))
+    looks: list[tuple[State, Sequence[Object]]] = field(default_factory=list)
+    visited: set[int] = field(default_factory=set)
     drawn: dict[tuple[Digests, tuple[Action, ...]], State] = field(default_factory=dict)
     known: dict[Digests, dict[tuple[str, ...], bool | None]] = field(default_factory=dict)
+
+    def load(self) -> None:
+        """Take what was drawn by earlier runs of the program."""
+        if self._kept.exists():
+            self.drawn, self.known, self.looks, self.visited = pickle.loads(self._kept.read_bytes())
+
+    def save(self) -> None:
+        """Keep what was drawn for later runs."""
+        whole = self._kept.with_suffix(".new")
+        whole.write_bytes(pickle.dumps((self.drawn, self.known, self.looks, self.visited)))
+        whole.replace(self._kept)
+
+    @property
+    def _kept(self) -> Path:
+        return self.out / f"{self.domain.name}-{self.family}-{self.seed}.drawn"
 
     @cached_property
     def words(self) -> dict[tuple[str, tuple[str, ...]], WordDoc]:
@@ -128,19 +166,22 @@ class World:
         made: Sequence[SimulatedTask] = self.domain.tasks(self.family, self.seed + seed, count)
         return made
 
-    @cache  # noqa: B019
     def fresh(self, wanted: int) -> list[tuple[State, Sequence[Object]]]:
         """States of other seeds: of demonstrations, and the first ones of tasks."""
-        rng = np.random.default_rng(self.seed)
-        found: list[tuple[State, Sequence[Object]]] = []
-        for task in self.tasks(LOOK_SEED, 40):
-            self.environment(task)
-            found.append((task.task.initial, task.task.objects))
-        seed = self.seed + LOOK_SEED
-        while len(found) < wanted:
-            found += self.visit(seed)
-            seed += 1
-        return [found[i] for i in sorted(rng.permutation(len(found))[:wanted])]
+        if not self.looks:
+            self.pieces.begin()
+            for task in self.tasks(LOOK_SEED, 40):
+                self.environment(task)
+                self.looks.append((task.task.initial, task.task.objects))
+            self.save()
+        while len(self.looks) < wanted:
+            self.pieces.begin()
+            seed = self.seed + LOOK_SEED + len(self.visited)
+            self.looks += self.visit(seed)
+            self.visited.add(seed)
+            self.save()
+        chosen = np.random.default_rng(self.seed).permutation(len(self.looks))[:wanted]
+        return [self.looks[i] for i in sorted(chosen)]
 
 
 @dataclass
@@ -236,6 +277,7 @@ class Study:
         layers = of_kind(project.simulator), of_project(project.sections), of_project(grammar)
         self.settings: Settings = resolve(*layers)
         if not (path / MODEL).exists():
+            world.pieces.begin()
             world.visit(world.seed)
             vlm = StoredVLM(self.teacher, AnswerStore(path))
             problem = LearningProblem(project.vocabulary, project.demos, vlm, self.settings)
@@ -258,15 +300,15 @@ class Study:
         return sum(solver.solve(t.task, self.world.environment(t)).solved for t in tasks)
 
     def episodes(self, count: int) -> tuple[Path, ...]:
-        """Answer stores with the first ``count`` episodes, a store for each step of the curve."""
+        """Answer stores with the first ``count`` episodes, a store for each ``STEP`` of them."""
         stores = []
-        for first, last in pairwise(CURVE):
-            if last > count:
-                break
-            folder = self.out / f"episodes-{last}"
+        for first in range(0, count, STEP):
+            folder = self.out / f"episodes-{first + STEP}"
             if not (folder / "done").exists():
+                self.world.pieces.begin()
                 vlm = StoredVLM(self.teacher, AnswerStore(folder))
-                self.solve(vlm, self.world.tasks(EPISODE_SEED, CURVE[-1])[first:last])
+                self.solve(vlm, self.world.tasks(EPISODE_SEED, count)[first : first + STEP])
+                self.world.save()
                 (folder / "done").write_text("")
             stores.append(folder)
         return tuple(stores)
@@ -281,6 +323,8 @@ class Study:
         folder = self.out / f"reader-{episodes}"
         run = self.run
         stores = self.episodes(episodes)
+        fresh = self.world.fresh(looks)
+        self.world.pieces.begin()
         start = time.process_time()
         card = distil(Sources(run.path, stores), folder)
         seconds = time.process_time() - start
@@ -292,7 +336,7 @@ class Study:
         said = cascade.tally.as_dict()
         return {
             "domain": self.world.domain.name, "family": self.world.family, "rate": self.rate, "seed": self.world.seed,
-            "episodes": episodes, **self.read(folder, looks),
+            "episodes": episodes, **self.read(folder, fresh),
             "tasks": tasks, "solved": solved, "solved_by_teacher": by_teacher,
             "questions": asked.questions, "questions_of_teacher": questions_of_teacher,
             **{k: v for k, v in said.items() if k in ("by_reader", "by_model", "checked", "differed")},
@@ -302,12 +346,12 @@ class Study:
             "kilobytes": round((folder / WEIGHTS).stat().st_size / 1000), "distil_seconds": round(seconds, 1),
         }  # fmt: skip
 
-    def read(self, folder: Path, looks: int) -> dict[str, Any]:
+    def read(self, folder: Path, fresh: Sequence[tuple[State, Sequence[Object]]]) -> dict[str, Any]:
         """What the reader says about fresh looks: shares answered, and right of what is answered and of all."""
         model, _, _ = read_reader(folder)
         asked = [p for p in self.model.predicates if isinstance(p.source, FromVLM)]
         count: Counter[str] = Counter()
-        fresh, start = self.world.fresh(looks), time.process_time()
+        start = time.process_time()
         for state, objects in fresh:
             atoms = ground_atoms(asked, objects)
             shown = views(state, 0, objects, marks=False)
@@ -375,20 +419,22 @@ def main() -> None:
         print(table(rows))
         return
     done = {(r["domain"], r["family"], r["rate"], r["seed"], r["episodes"]) for r in rows}
-    for seed in arguments.seed:
-        world = World(load_domain(arguments.domain), arguments.family, seed)
-        for rate in arguments.rate:
-            name = f"{arguments.domain}-{arguments.family}-{rate:g}-{seed}"
-            study = Study(world, rate, arguments.out / name, arguments.grammar)
-            for episodes in arguments.episodes:
-                if (arguments.domain, arguments.family, rate, seed, episodes) in done:
-                    continue
-                if arguments.minutes is not None and time.process_time() > 60 * arguments.minutes:
-                    return
-                row = study.row(episodes, arguments.looks, arguments.tasks)
-                with path.open("a") as stream:
-                    stream.write(json.dumps(row) + "\n")
-                print(json.dumps(row), flush=True)
+    asked = product(arguments.seed, arguments.rate, arguments.episodes)
+    left = [r for r in asked if (arguments.domain, arguments.family, r[1], r[0], r[2]) not in done]
+    with suppress(EnoughError):
+        for seed, of_seed in groupby(left, key=lambda r: r[0]):
+            world = World(load_domain(arguments.domain), arguments.family, seed, arguments.out)
+            world.pieces = Pieces(arguments.minutes)
+            world.load()
+            for rate, of_rate in groupby(of_seed, key=lambda r: r[1]):
+                name = f"{arguments.domain}-{arguments.family}-{rate:g}-{seed}"
+                study = Study(world, rate, arguments.out / name, arguments.grammar)
+                for _, _, episodes in of_rate:
+                    row = study.row(episodes, arguments.looks, arguments.tasks)
+                    world.save()
+                    with path.open("a") as stream:
+                        stream.write(json.dumps(row) + "\n")
+                    print(json.dumps(row), flush=True)
 
 
 if __name__ == "__main__":
