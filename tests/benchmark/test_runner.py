@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -19,6 +20,7 @@ from extras import need
 from pix2pred.benchmark import TryOutcome, read_rows, status_of
 from pix2pred.benchmark.runner import expected
 from pix2pred.benchmark.sweeps import NotAvailableError, installed
+from pix2pred.cli.app import run
 from pix2pred.registry import REGISTRY
 from pix2pred.runs.folder import RunFolderError
 from pix2pred.structs.environment import Domain
@@ -75,6 +77,20 @@ def test_missing_extras_are_named_before_work_and_left_out(tmp_path: Path) -> No
     assert "the same command adds what was left out" in said[0] and "kitchen: domain" in said[1]
     again = run_small(tmp_path, seeds=[0], approaches=["ours"])
     assert any(r.outcome.scored for r in again.rows)
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_charts_that_cannot_be_drawn_are_told_of_before_the_suite_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], there: bool
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise RunFolderError("the suite begins")
+
+    monkeypatch.setattr("pix2pred.cli.bench.run_suite", stop)
+    monkeypatch.setitem(sys.modules, "matplotlib", SimpleNamespace(use=print) if there else None)
+    assert run(["bench", "run", "smoke", "--out", str(tmp_path / "run")]) == 2
+    told, _, rest = capfd.readouterr().err.partition("the suite begins")
+    assert ("charts need the extra 'plot'" in told) is not there and not rest.strip()
 
 
 @pytest.mark.parametrize("name", ["kitchen", "coffee", "cleanup", "juice"])

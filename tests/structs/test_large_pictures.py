@@ -52,6 +52,18 @@ def test_of_a_large_jpeg_less_is_unpacked(tmp_path: Path, monkeypatch: pytest.Mo
     assert 512 <= max(height, width) <= 1100
 
 
+@pytest.mark.parametrize("size", [(4400, 3300), (3300, 4400), (64, 48)])
+def test_to_know_the_size_of_a_png_none_of_it_is_unpacked(tmp_path: Path, size: tuple[int, int]) -> None:
+    """The pixels of this one are damaged, which nobody notices who does not look at them."""
+    plain = tmp_path / "x.png"
+    PIL.Image.new("RGB", size, "red").save(plain)
+    content = plain.read_bytes()
+    damaged = Image(content[: content.index(b"IDAT") + 4] + b"no pixels" + content[-40:])
+    assert damaged.size == size
+    with pytest.raises(PictureError):
+        damaged.pixels()
+
+
 def test_small_pictures_are_as_they_were(tmp_path: Path) -> None:
     image = Image(large(tmp_path / "x.jpg", (640, 480)))
     assert np.array_equal(image.reduced(640), image.pixels())

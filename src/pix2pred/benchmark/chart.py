@@ -17,13 +17,18 @@ class PlotError(Pix2predError, RuntimeError):
     """Charts cannot be drawn; the message names the extra to install."""
 
 
-def draw(run: Run) -> bytes:
-    """The chart of a run as PNG. Raises ``PlotError`` without matplotlib."""
+def check_charts() -> None:
+    """Raises ``PlotError`` without matplotlib."""
     try:
         import matplotlib
     except ImportError as error:
         raise PlotError(f"charts need the extra 'plot': {install_command('plot')}") from error
     matplotlib.use("Agg")
+
+
+def draw(run: Run) -> bytes:
+    """The chart of a run as PNG. Raises ``PlotError`` without matplotlib."""
+    check_charts()
     from matplotlib.figure import Figure
 
     families = [f for f in run.suite.groups()[0] if _any_cell(run, f.name)] or list(run.suite.families)

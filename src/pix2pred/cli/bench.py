@@ -12,6 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from pix2pred.benchmark import Run, SuiteError, TryOutcome, load_suite, run_suite, status_of
+from pix2pred.benchmark.chart import PlotError, check_charts
 from pix2pred.benchmark.claims import judge, load_claims
 from pix2pred.benchmark.report import write_into, write_report
 from pix2pred.benchmark.runner import expected
@@ -51,6 +52,10 @@ def run(
     """
     chosen = load_suite(suite)
     folder = out or Path("runs") / f"bench-{chosen.name}"
+    try:
+        check_charts()
+    except PlotError as error:
+        err.print(f"warning: 'pix2pred bench report' will draw no chart: {error}", markup=False, soft_wrap=True)
     with bars() as progress:
         done = run_suite(
             folder,

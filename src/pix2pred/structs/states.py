@@ -57,6 +57,11 @@ _SPARE = 1.5
 _DECODERS = {b"\x89PNG\r\n\x1a\n": PngImageFile, b"\xff\xd8\xff": JpegImageFile}
 """The formats read, by their first bytes. ``PIL.Image.open`` would warn of large pictures before we know their size."""
 
+_TURNED_PNG = (b"eXIf", b"Raw profile type exif", b"tiff:Orientation")
+"""What stands in every PNG that says how it is to be turned."""
+_ROWS = 512
+"""Rows of a picture that are copied at a time."""
+
 _SIDEWAYS = frozenset({5, 6, 7, 8})
 """EXIF orientations that swap width and height."""
 
@@ -164,6 +169,8 @@ class Image:
         """(width, height) in pixels, upright. Raises ``PictureError``."""
         with self._opened() as opened:
             width, height = opened.size
+            if isinstance(opened, PngImageFile) and not any(mark in self.encoded for mark in _TURNED_PNG):
+                return width, height  # to look for EXIF data in a PNG, Pillow unpacks all of it
             sideways = opened.getexif().get(PIL.ExifTags.Base.Orientation) in _SIDEWAYS
             return (height, width) if sideways else (width, height)
 
@@ -217,7 +224,11 @@ def _rgb(picture: PIL.Image.Image) -> Pixels:
     if picture.mode.startswith("I"):
         grey = (np.asarray(picture).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
         return np.repeat(grey[:, :, None], 3, axis=2)
-    return np.asarray(picture if picture.mode == "RGB" else picture.convert("RGB"), dtype=np.uint8)
+    pixels = np.empty((picture.height, picture.width, 3), dtype=np.uint8)
+    for top in range(0, picture.height, _ROWS):  # Pillow hands pixels over by way of two copies
+        rows = picture.crop((0, top, picture.width, min(top + _ROWS, picture.height)))
+        pixels[top : top + _ROWS] = np.asarray(rows if rows.mode == "RGB" else rows.convert("RGB"))
+    return pixels
 
 
 def _digest(pixels: Pixels) -> str:
