@@ -100,7 +100,7 @@ def test_terminated_among_the_photos_nothing_is_left_behind(tmp_path: Path) -> N
     while process.poll() is None and not list(tmp_path.glob(".pix2pred-*/new/demos/*/images/1")):
         time.sleep(0.02)
     process.send_signal(signal.SIGTERM)
-    assert process.wait(30) == 128 + signal.SIGTERM
+    assert process.wait(120) == 128 + signal.SIGTERM
     assert [p.name for p in tmp_path.iterdir()] == ["photos"]
 
 

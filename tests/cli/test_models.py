@@ -45,7 +45,7 @@ def server() -> Iterator[FaultServer]:
 def quick(tmp_path: Path) -> Path:
     """A configuration whose pauses are short."""
     path = tmp_path / "quick.yaml"
-    path.write_text("flow: {first_pause: 0.01, longest_pause: 0.02, timeout: 5, tries: 3}\nproposal: {attempts: 6}\n")
+    path.write_text("flow: {first_pause: 0.01, longest_pause: 0.02, timeout: 60, tries: 3}\nproposal: {attempts: 6}\n")
     return path
 
 
@@ -315,10 +315,9 @@ def test_tracebacks_and_logs_of_a_request_do_not_hold_the_key(
 
     monkeypatch.setenv("PIX2PRED_API_KEY", KEY)
     caplog.set_level(logging.DEBUG)
+    flow = FlowSettings(timeout=0.8 if "late" in rates else 60.0)
     with FaultServer(rates).running() as server:
-        vlm = HostedVLM(
-            hosted_model(OpenAICompatible(), f"tiny@{server.url}"), ShownPictures(), FlowSettings(timeout=0.8)
-        )
+        vlm = HostedVLM(hosted_model(OpenAICompatible(), f"tiny@{server.url}"), ShownPictures(), flow)
         if not rates:
             vlm.answer(Request(Purpose.LABEL, ("x",), 100))
         else:
@@ -402,7 +401,7 @@ def test_ctrl_c_ends_soon_and_the_run_goes_on_later(
             assert process.poll() is None
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=30) == 130
+        assert process.wait(timeout=120) == 130
         if spec == "http":
             assert cli("learn", lamps, "--vlm", name, "--config", quick, "--out", tmp_path / "run").code == 0
 

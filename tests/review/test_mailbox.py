@@ -72,7 +72,7 @@ def test_a_question_is_shown_with_what_was_before_and_answered(
     assert status == 400 and "lit(b)" in problem["error"] and not answers
     values = {"lit(a)": {"0": "False"}, "lit(b)": {"0": "Unknown"}}
     assert ask(server, f"{base}/answer/{name}", {"values": values})[0] == 200
-    thread.join(30)
+    thread.join(120)
     assert answers == [Answer("* lit(a): False\n* lit(b): Unknown")]
     assert ask(server, f"{base}/standing")[1]["answered"] == 1
 
@@ -85,7 +85,7 @@ def test_values_of_many_states_are_written_as_changes(box: MailboxVLM, tmp_path:
     assert question.states == (0, 1, 2) and question.atoms[0].meaning == "the bulb gives light"
     lit = {"0": "False", "1": "True", "2": "True"}
     folder.answer(name, {"values": {"lit(a)": lit, "lit(b)": dict.fromkeys("012", "Unknown")}})
-    thread.join(30)
+    thread.join(120)
     assert answers == [Answer("* lit(a): False; 1 True\n* lit(b): Unknown")]
 
 
@@ -152,7 +152,7 @@ def test_an_answer_that_is_a_pipe_is_not_waited_for(box: MailboxVLM, tmp_path: P
     os.mkfifo(folder / "answer.txt")
     (folder / "good").write_text("* lit(a): True\n* lit(b): True")
     (folder / "good").replace(folder / "answer.txt")
-    thread.join(30)
+    thread.join(120)
     assert len(answers) == 1
 
 
@@ -191,19 +191,19 @@ def test_by_keyboard_and_by_mouse(box: MailboxVLM, server: MailboxServer, tmp_pa
         page.keyboard.press("b")  # as before: True
         page.keyboard.press("f")
         page.keyboard.press("Enter")
-        first.join(30)
+        first.join(120)
         assert label == [Answer("* lit(a): True\n* lit(b): False")]
         page.wait_for_selector("#about:text('d0, states 0 to 2')")
         page.get_by_role("radio", name="state 0: False").first.check()
         page.get_by_role("radio", name="state 2: True").first.check()
         page.get_by_role("radio", name="state 0: Unknown").last.check()
         page.get_by_role("button", name="Send").click()
-        second.join(30)
+        second.join(120)
         assert history == [Answer("* lit(a): False; 2 True\n* lit(b): Unknown")]
         third, proposal = wait(box, PROPOSAL)
         page.get_by_label("Your answer").fill("wet(a)")
         page.keyboard.press("Control+Enter")
-        third.join(30)
+        third.join(120)
         assert proposal == [Answer("wet(a)")]
         page.wait_for_selector("#idle:visible")
         assert noise == []

@@ -47,7 +47,7 @@ def _wait(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
     for _ in range(1200):
         assert server.poll() is None, log.read_text()[-2000:]
         try:
-            urllib.request.urlopen(address, timeout=5).close()
+            urllib.request.urlopen(address, timeout=30).close()
             return
         except OSError:
             time.sleep(0.25)

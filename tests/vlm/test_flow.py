@@ -99,7 +99,7 @@ def test_no_more_requests_than_places_are_under_way() -> None:
             with lock:
                 under_way[0] += 1
                 most[0] = max(most[0], under_way[0])
-            gate.wait(5)
+            gate.wait(60)
             with lock:
                 under_way[0] -= 1
             return Answer("yes")
@@ -129,7 +129,7 @@ def test_stopping_ends_all_pauses() -> None:
     thread = threading.Thread(target=ask)
     thread.start()
     flow.stop()
-    thread.join(5)
+    thread.join(60)
     assert not thread.is_alive() and isinstance(ended[0], NoAnswerError)
 
 

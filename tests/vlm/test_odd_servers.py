@@ -359,7 +359,7 @@ class Waiting:
     def meet(self, most: int) -> None:
         """Let one question be answered, once one is under way; more than ``most`` must not be."""
         with self._changed:
-            met = self._changed.wait_for(lambda: self._under_way > self._free, 30)
+            met = self._changed.wait_for(lambda: self._under_way > self._free, 120)
             at_once, self._free = self._under_way - self._free, self._free + (1 if met else 100)
             self._changed.notify_all()
         assert met and at_once <= most

@@ -95,7 +95,7 @@ def test_the_error_that_ends_a_run_waits_for_answers_under_way_and_lets_no_more_
         def answer(self, request: Request) -> Answer:
             self.asked.append(request)
             if request.sample == 0:
-                started.wait(5)
+                started.wait(60)
                 raise VLMError("out of credit")
             started.set()
             time.sleep(0.3)
