@@ -71,6 +71,16 @@ def test_an_operator_that_neither_applies_nor_explains_is_not_read() -> None:
     assert [r.operator for r in operator_support(MODEL, [served("d", [], [], [])])] == ["Op0"]
 
 
+def test_an_effect_that_was_there_before_is_nothing_against_an_operator() -> None:
+    again = operator_support(MODEL, [served("d", [HOT(A)], [HOT(A)], [HOT(A), DONE(A)])])
+    assert {(r.operator, r.verdict, r.absent) for r in again} == {
+        ("Op0", SupportKind.SUPPORTS, ()),
+        ("Op1", SupportKind.SUPPORTS, ()),
+    }
+    (cooled,) = operator_support(MODEL, [served("d", [HOT(A)], [], [HOT(A)])])
+    assert (cooled.verdict, cooled.absent, cooled.surplus) == (SupportKind.CONTRADICTS, ("+hot(a)",), ("-hot(a)",))
+
+
 def test_a_label_unlike_those_of_nine_other_demonstrations_is_doubted() -> None:
     demos = [served(f"d{i}", *RIGHT) for i in range(9)]
     wrong = served("wrong", [], [HOT(A)], [DONE(A)])  # it cannot have cooled down: nothing ever does

@@ -1,7 +1,8 @@
 """How operators and transitions fit: which transitions support an operator, and which speak against it.
 
-The arguments of an operator are bound to those its skill was executed with. A transition supports it when exactly its
-effects occur, and contradicts it when its preconditions hold and something else happens.
+The arguments of an operator are bound to those its skill was executed with. A transition supports it when it ends in the
+state that its effects make of the one before (what was so already need not change), and contradicts it when its
+preconditions hold and something else happens.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ def _support(
     fixed = dict(zip(operator.skill_args, action.objects, strict=True))
     best: tuple[tuple[int, int], GroundOperator] | None = None
     for ground in islice(operator.groundings(fixed, demo.objects), MOST_BINDINGS):
-        differing = len(ground.add ^ gained) + len(ground.delete ^ lost)
+        differing = len((ground.add - before) ^ gained) + len((ground.delete & before) ^ lost)
         unmet = len(ground.preconditions - before)
         if (differing == 0 or unmet == 0) and (best is None or (differing, unmet) < best[0]):
             best = ((differing, unmet), ground)
@@ -86,6 +87,6 @@ def _support(
         tuple(o.name for o in ground.objects),
         verdict,
         tuple(str(a) for a in sorted(ground.preconditions - before)),
-        signed(changes(ground.add - gained, ground.delete - lost)),
+        signed(changes(ground.add - after, ground.delete & after)),
         signed(changes(gained - ground.add, lost - ground.delete)),
     )
