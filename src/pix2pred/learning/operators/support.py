@@ -1,7 +1,7 @@
 """How operators and transitions fit: which transitions support an operator, and which speak against it.
 
-The arguments of an operator are bound to those its skill was executed with. A transition supports it when it ends in the
-state that its effects make of the one before (what was so already need not change), and contradicts it when its
+The arguments of an operator are bound to those its skill was executed with. A transition supports it when it ends in
+the state that its effects make of the one before (what was so already need not change), and contradicts it when its
 preconditions hold and something else happens.
 """
 
