@@ -48,7 +48,7 @@ PORTFOLIOS: dict[str, Callable[[], Search]] = {
         Portfolio(
             (
                 FollowRelaxed(),
-                Bounded(lambda nodes: GreedyBestFirst(max_nodes=nodes), 2_000, 1_000, 2_000_000),
+                Bounded(lambda nodes: GreedyBestFirst(max_nodes=nodes), 2_000, 1_000, 500_000),
                 LazyBatches(),
                 LazyGreedy(EasyFF, max_nodes=200_000),
             )

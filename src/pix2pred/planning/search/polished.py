@@ -32,7 +32,7 @@ class Polished:
     search: Search
     passes: tuple[tuple[int, int], ...] = ((8, 200), (16, 800))
     nodes: int = 4_000
-    visits: int = 4_000_000
+    visits: int = 1_000_000
     most_steps: int = 500
 
     def __call__(self, task: Strips) -> SearchResult:

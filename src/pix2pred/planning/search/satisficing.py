@@ -37,7 +37,7 @@ class Satisficing(ABC):
     heuristic: Callable[[Strips], Heuristic] = FF
     max_nodes: int = 1_000_000
     improving_nodes: int = 20_000
-    improving_visits: int = 4_000_000
+    improving_visits: int = 1_000_000
 
     def __call__(self, task: Strips) -> SearchResult:
         """Search ``task``. Complete: every state that is no dead end is expanded at most once."""
