@@ -83,7 +83,7 @@ def _blind(request: Any) -> str:
     [
         ([], "--task FOLDER, or --photo PHOTO --goal ATOM"),
         (["--goal", "Done(l1)"], "--goal goes with --photo"),
-        (["--photo", "PHOTO"], "--goal: name at least one atom"),
+        (["--photo", "PHOTO"], "--goal: say what is to hold"),
         (["--photo", "PHOTO", "--goal", "Done(l9)"], "l1 (lamp), l2 (lamp), robby (robot)"),
         (["--photo", "PHOTO", "--goal", "Dome(l1)"], "did you mean 'Done'"),
         (["--photo", "PHOTO", "--goal", "Done(l1)", "--thing", "x:lapm"], "did you mean 'lamp'"),
