@@ -158,10 +158,14 @@ class ExplainedEffort:
         return [p for p in candidates if any(is_contrary(model.data, p, q, share) for q in reached.chosen)]
 
     def negates(self, model: OperatorModel, reached: ScoredSet, other: ScoredSet) -> bool:
-        """Whether J falls because a skill, whatever else it does, is never used where the predicate holds."""
-        return other.score.total <= self.settings.contrary_left * reached.score.total and any(
-            is_condition(model, other, skill) for skill in range(len(model.data.skills))
-        )
+        """Whether J falls because one skill, whatever else it does, is never used where the predicate holds.
+
+        A word that several skills are never used against says when in a task they come, not what they need: in Coffee
+        the jug is empty whenever it is turned and whenever it is put into the machine.
+        """
+        if other.score.total > self.settings.contrary_left * reached.score.total:
+            return False
+        return sum(is_condition(model, other, skill) for skill in range(len(model.data.skills))) == 1
 
     @property
     def looks_back(self) -> bool:
