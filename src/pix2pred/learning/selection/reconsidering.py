@@ -70,7 +70,13 @@ class Reconsideration:
         Greedy choice can end with two words that together stand in for one: "not on the floor" and "scribbled on" for
         "on the table".
         """
-        better = [s for s in singly if s.score.exact and s.score.total < reached.score.total]
+        better = [
+            s
+            for s in singly
+            if s.score.exact
+            and s.score.total < reached.score.total
+            and self._rule.stands_for_several(self._sets.model, s.predicate)
+        ]
         smaller = [(s, self._sets.set_of(self._sets.without_superseded(s))) for s in better]
         found = [
             (s, fewer)

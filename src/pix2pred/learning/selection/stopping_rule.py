@@ -89,6 +89,10 @@ class Reconsidering(Protocol):
         """Those of the chosen predicates in whose place another one is tried at the end."""
         ...
 
+    def stands_for_several(self, model: OperatorModel, predicate: int) -> bool:
+        """Whether enough of a predicate's labels are accounted for, that it may make several others superfluous."""
+        ...
+
     def replaces(self, model: OperatorModel, other: ScoredSet, reached: ScoredSet, doubtful: int) -> bool:
         """Whether ``other``, with its last predicate in the place of ``doubtful``, is to be preferred."""
         ...
