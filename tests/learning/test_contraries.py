@@ -61,6 +61,22 @@ def test_a_contrary_that_only_what_makes_the_predicate_true_needs_is_left_out() 
     assert [p.name for p in selection.selected] == ["closed"]
 
 
+def test_a_contrary_that_several_skills_are_never_used_against_tells_when_they_come() -> None:
+    """That a box is wrapped while it is open is no rule of the world: all that is done to it is done before it is shut."""
+    wrap, wrapped = Skill("Wrap", (BALL, BOX)), given("Wrapped", BALL)
+
+    def wrapped_parcel(number: int) -> LabelledDemo:
+        ball, box = Object("ball", BALL), Object("box", BOX)
+        actions = [Action(wrap, (ball, box)), Action(PUT, (ball, box)), Action(SHUT, (box,)), Action(SEND, (box, ball))]
+        facts = [OPEN(box)], [OPEN(box), IN(ball, box)], [CLOSED(box), IN(ball, box)], [CLOSED(box), SENT(ball)]
+        states = [[OPEN(box)], *([*there, wrapped(ball)] for there in facts)]
+        return demo(f"d{number}", {ball, box}, actions, states, [SENT(ball), wrapped(ball)])
+
+    demos = [wrapped_parcel(i) for i in range(8)]
+    selection = hill_climbing(table([IN, SENT, wrapped], [CLOSED, OPEN], demos), ROBUST).run()
+    assert [p.name for p in selection.selected] == ["closed"]
+
+
 @pytest.mark.parametrize(("wrong", "errors", "expected"), [(0, 0.0, True), (1, 0.0, False), (1, 0.02, True)])
 def test_contraries_may_agree_in_a_few_values(wrong: int, errors: float, expected: bool) -> None:
     data = IndexedTable(parcels(wrong=wrong))
