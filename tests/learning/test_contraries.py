@@ -62,7 +62,7 @@ def test_a_contrary_that_only_what_makes_the_predicate_true_needs_is_left_out() 
 
 
 def test_a_contrary_that_several_skills_are_never_used_against_tells_when_they_come() -> None:
-    """That a box is wrapped while it is open is no rule of the world: all that is done to it is done before it is shut."""
+    """That a box is wrapped while it is open is no rule of the world: all is done before it is shut."""
     wrap, wrapped = Skill("Wrap", (BALL, BOX)), given("Wrapped", BALL)
 
     def wrapped_parcel(number: int) -> LabelledDemo:
