@@ -83,8 +83,8 @@ def run_here(page: str) -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def work(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder in which a person works who follows the pages."""
+def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a person has who begins to follow a page."""
     from pix2pred.cli.app import run
 
     folder = tmp_path_factory.mktemp("work")
@@ -114,6 +114,12 @@ def work(tmp_path_factory: pytest.TempPathFactory) -> Path:
     head = "format: pix2pred-task\nversion: 1\ngoal: ['In(ice, glass)']\nobjects:\n"
     (folder / "DIR/task.yaml").write_text(head + objects)
     return folder
+
+
+@pytest.fixture
+def work(begun: Path, tmp_path: Path) -> Path:
+    """The folder in which a person follows one page: another page may make things of the same names."""
+    return shutil.copytree(begun, tmp_path / "work")
 
 
 @pytest.mark.parametrize("page", [p for p in PAGES if p.name not in ELSEWHERE], ids=lambda p: p.name)

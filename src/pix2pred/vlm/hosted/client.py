@@ -44,6 +44,8 @@ _CHARACTERS_IN_A_TOKEN = 6
 """More than any tokenizer makes of one token of our questions on average; pictures, which count too, are left out."""
 _FEWEST_CHARACTERS = 1
 """Fewer characters of text for each token written mean that most of the tokens are thoughts which nobody sees."""
+_SHORTEST_THOUGHTS = 100
+"""Tokens: who writes fewer than these has thought little; some models write characters of several tokens each."""
 _LOG = logging.getLogger("pix2pred")
 
 
@@ -228,7 +230,8 @@ class HostedVLM:
 
     def _thought_away(self, text: str, written: int) -> bool:
         """Whether most of what was written is no text, and more room for it was not given yet."""
-        return not self._raised and len(text) < _FEWEST_CHARACTERS * written
+        hidden = written >= _SHORTEST_THOUGHTS and len(text) < _FEWEST_CHARACTERS * written
+        return hidden and not self._raised
 
     def _never_spoke(self, thinking: int, spent: Spent, spoke: bool) -> NoReturn:
         """An answer was cut short before it said anything, or much: give more room for thinking, once.
