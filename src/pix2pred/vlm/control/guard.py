@@ -81,8 +81,14 @@ class GuardVLM:
         """The model's answer. Raises ``BeyondEstimateError`` instead of asking what could pass the limit."""
         with self._turn:
             self._look_ahead(request)
-            most = Expected.of(self._forecast(request))
-            self._turn.wait_for(lambda: self._stopped or not self._under_way or self._all_fit(most))
+            most = NOTHING
+
+            def may_go() -> bool:
+                nonlocal most  # looked up each time: another answer may have raised the budget for thinking
+                most = Expected.of(self._forecast(request))
+                return self._stopped or not self._under_way or self._all_fit(most)
+
+            self._turn.wait_for(may_go)
             if not self._under_way:
                 self._check(most)
             self._under_way.append(most)
