@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import inf
 
 from pix2pred.system.errors import StoppedError
-from pix2pred.vlm.request import VLM, Answer, Purpose, Request, Spent, VLMError
+from pix2pred.vlm.request import VLM, Answer, NoAnswerError, Purpose, Request, Spent, VLMError
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +89,8 @@ class GuardVLM:
                 return self._stopped or not self._under_way or self._all_fit(most)
 
             self._turn.wait_for(may_go)
+            if self._stopped:
+                raise NoAnswerError("the run was ended while this question waited for its turn")
             if not self._under_way:
                 self._check(most)
             self._under_way.append(most)
