@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pix2pred.execution.belief.belief import Belief, Reading
-from pix2pred.execution.belief.constraints import Constraints, Group
+from pix2pred.execution.belief.constraints import Constraints, CountedGroup
 from pix2pred.execution.belief.evidence import Answers, log_odds, probability_of
 from pix2pred.execution.belief.perception import AtTheirWord, Believing
 from pix2pred.execution.pursuit import GivenUpError, GivingUp, NearestPlan, Pursuit, nearest_plan, safer_plan
@@ -203,7 +203,7 @@ def test_given_members_settle_a_group_as_counting_worlds_does(
 ) -> None:
     """Messages of a group of uncertain members and two given ones, of which ``given`` hold, by its worlds."""
     count = len(odds)
-    group = Group(tuple(range(count + 2)), exactly, broken)
+    group = CountedGroup(tuple(range(count + 2)), exactly, broken)
     settled = [g.messages(odds) for g in group.settled(count, set(range(count, count + given)))]
     for i, message in enumerate(settled[0] if settled else [0.0] * count):
         totals = dict.fromkeys((True, False), 0.0)

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from pix2pred.cli.console import err, out, plain, say
 from pix2pred.demos import ENDINGS, FolderError, Photographed, Problem, read_photo
-from pix2pred.execution import Guided, Look, Missing, PlannedScene
+from pix2pred.execution import Guided, Missing, PlannedScene, SeenStep
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import nearly_same
 from pix2pred.report.plan_page import render_plan
@@ -176,7 +176,7 @@ def _done_unseen(guided: Guided, photos: Photos) -> bool:
     return photos.done_unseen()
 
 
-def _say(guided: Guided, look: Look, *, known: bool = False) -> None:
+def _say(guided: Guided, look: SeenStep, *, known: bool = False) -> None:
     """How the last step went."""
     number = len(guided.looks)
     if known:

@@ -6,7 +6,7 @@ import sys
 import threading
 
 from pix2pred.cli.console import counted, err, out, plain, say
-from pix2pred.execution import Guided, Look, PlannedScene
+from pix2pred.execution import Guided, PlannedScene, SeenStep
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.robots.acting import Unwatched
 from pix2pred.robots.robot import Robot
@@ -21,7 +21,7 @@ class Silent(Unwatched):
     def __init__(self, session: RobotSession) -> None:
         self._session = session
 
-    def looked(self, guided: Guided, look: Look, step: Step) -> None:
+    def looked(self, guided: Guided, look: SeenStep, step: Step) -> None:
         self._session.keep(look.state)
 
 
@@ -59,7 +59,7 @@ class AtTheTerminal:
         say(f"     expected: {' '.join(signed(effects(guided.step)))}")
         return True
 
-    def looked(self, guided: Guided, look: Look, step: Step) -> None:
+    def looked(self, guided: Guided, look: SeenStep, step: Step) -> None:
         folder = self._session.keep(look.state)
         if step.detail:
             say(f"     {step.detail}")

@@ -19,7 +19,7 @@ from pix2pred.structs.plans import Change, changes, changes_between, effects
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class SeenStep:
     """What one executed step was expected to change, and what was seen to.
 
     ``absent`` was expected and not seen, ``surplus`` seen and not expected; changes have a sign. ``assumed`` are the
@@ -48,7 +48,7 @@ class Guided:
     def __init__(self, scene: PlannedScene, *, may_assume: bool = False) -> None:
         self.scene = scene
         self.seen = scene.seen
-        self.looks: list[Look] = []
+        self.looks: list[SeenStep] = []
         self.step: GroundOperator | None = None
         self.ended = ""
         self._pursuit = Pursuit(
@@ -99,7 +99,7 @@ class Guided:
         given |= {change.atom for change in happened if change.holds}
         return replace(state, given=frozenset(given))
 
-    def observe(self, state: State, *, told: bool, reported: StepStatus | None = None) -> Look:
+    def observe(self, state: State, *, told: bool, reported: StepStatus | None = None) -> SeenStep:
         """The next step was tried, and ``state`` is what came of it; ``told``: its given atoms are all that hold.
 
         Otherwise those are carried over, with the changes expected of the step if whatever should show, shows.
@@ -116,7 +116,7 @@ class Guided:
             given = (kept - step.delete) | listed(step.add)
             assumed = changes_between(kept, given)
             after = self.scene.perception.relist(given)
-        look = Look(
+        look = SeenStep(
             step, action, state, self.scene.perception.labels, after,
             effects(step),
             changes(step.add - after, step.delete & after),

@@ -15,7 +15,7 @@ import PIL.Image
 from markupsafe import Markup
 
 from pix2pred import __version__
-from pix2pred.execution import Guided, Look, Missing, Need, PlannedScene
+from pix2pred.execution import Guided, Missing, Need, PlannedScene, SeenStep
 from pix2pred.execution.explaining.scene import said
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import draw_view, skill_crop
@@ -89,7 +89,7 @@ class LookView:
     """An executed step with the photos after it."""
 
     words: str
-    look: Look
+    look: SeenStep
     photos: tuple[str, ...]
     open: tuple[str, ...]
     explained: tuple[tuple[str, str], ...]
@@ -151,7 +151,7 @@ def _label(scene: PlannedScene, atom: Atom, *, crop: bool = True) -> LabelView:
     )  # fmt: skip
 
 
-def _look(look: Look, number: int) -> LookView:
+def _look(look: SeenStep, number: int) -> LookView:
     words = said(look.labels)
     concerned = {c.atom for c in (*look.expected, *look.absent, *look.surplus)}
     told = tuple((str(a), text) for a, text in words.items() if a in concerned)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
-from pix2pred.execution import Guided, Look, PlannedScene, Solver, plan_scene
+from pix2pred.execution import Guided, PlannedScene, SeenStep, Solver, plan_scene
 from pix2pred.robots.robot import Outcome, Robot, RobotError
 from pix2pred.structs import Action, Task
 from pix2pred.structs.environment import Step, StepStatus
@@ -31,7 +31,7 @@ class Watcher(Protocol):
         """The next step is ``guided.step``; whether to go on."""
         ...
 
-    def looked(self, guided: Guided, look: Look, step: Step) -> None:
+    def looked(self, guided: Guided, look: SeenStep, step: Step) -> None:
         """A step was run and looked at."""
         ...
 
@@ -48,7 +48,7 @@ class Unwatched:
     def about_to(self, guided: Guided) -> bool:
         return True
 
-    def looked(self, guided: Guided, look: Look, step: Step) -> None:
+    def looked(self, guided: Guided, look: SeenStep, step: Step) -> None:
         pass
 
 

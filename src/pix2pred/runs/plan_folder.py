@@ -24,7 +24,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pix2pred.demos import Photographed, Project, project_digest, state_from_doc, write_state
-from pix2pred.execution import Guided, Look, Missing, PlannedScene
+from pix2pred.execution import Guided, Missing, PlannedScene, SeenStep
 from pix2pred.planning import is_valid
 from pix2pred.planning.pddl.write import write_domain, write_plan, write_problem
 from pix2pred.runs.folder import RunFolder, RunFolderError
@@ -133,7 +133,7 @@ class PlanFolder:
         self._save(session)
         return session
 
-    def replay(self, session: SessionDoc, guided: Guided) -> Iterator[Look]:
+    def replay(self, session: SessionDoc, guided: Guided) -> Iterator[SeenStep]:
         """Take ``guided`` to where the session stopped. Raises ``RunFolderError`` if the steps differ."""
         for number, entry in enumerate(session.executed, start=1):
             if guided.step is None or str(guided.step) != entry.step:
@@ -213,7 +213,7 @@ def _missing_doc(m: Missing) -> Mapping[str, Any]:
     return {"atom": str(m.atom), "step": str(m.step) if m.step else None, "lacks": [str(a) for a in m.lacks]}
 
 
-def _look_doc(look: Look) -> dict[str, Any]:
+def _look_doc(look: SeenStep) -> dict[str, Any]:
     return {
         "action": str(look.action),
         "operator": str(look.step),

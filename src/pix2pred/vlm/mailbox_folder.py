@@ -60,7 +60,7 @@ class AtomToLabel:
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class MailboxQuestion:
     """One question. ``states`` are those to give values in; none when the answer is free text."""
 
     name: str
@@ -76,7 +76,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class MailboxStatus:
     """Questions that wait, names in order; how many are answered, lie ready to be taken, and will come in all.
 
     ``expected`` is ``None`` where no dry run could be made, ``seconds`` of what is left where nothing tells.
@@ -95,16 +95,16 @@ class MailboxFolder:
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def standing(self) -> Standing:
+    def standing(self) -> MailboxStatus:
         """What waits and how far it is."""
         folders = [p.parent for p in self.path.glob("*/request.json")]
         waiting = sorted((f.name for f in folders if not _is_file(f / ANSWER)), key=_natural)
         times = sorted(_time(p) for p in (self.path / ANSWERED).glob("*/request.json"))
         expected = self._expected()
         left = None if expected is None else max(0, expected - len(times))
-        return Standing(tuple(waiting), len(folders) - len(waiting), len(times), expected, _seconds(times, left))
+        return MailboxStatus(tuple(waiting), len(folders) - len(waiting), len(times), expected, _seconds(times, left))
 
-    def question(self, name: str) -> Question:
+    def question(self, name: str) -> MailboxQuestion:
         """The question ``name``. Raises ``MailboxError`` unless it waits and can be read."""
         folder = self._folder(name)
         try:
@@ -120,7 +120,7 @@ class MailboxFolder:
         labels = purpose not in _FREE
         states = _states(pictures, purpose) if labels else ()
         skill = _SKILL.search(text)
-        return Question(
+        return MailboxQuestion(
             name, about, purpose, skill[1] if skill else "", pictures,
             tuple(_atoms(text, returned)) if labels else (), states, text, _read(folder / "problem.md"), returned,
         )  # fmt: skip
@@ -191,7 +191,7 @@ def _states(pictures: Sequence[ShownPicture], purpose: str) -> tuple[int, ...]:
     return tuple(shown if purpose == Purpose.HISTORY else shown[-1:])
 
 
-def _answer(question: Question, values: Mapping[str, Any]) -> str:
+def _answer(question: MailboxQuestion, values: Mapping[str, Any]) -> str:
     """The lines of an answer. Raises ``MailboxError`` naming an atom without a value."""
     lines = []
     for row in question.atoms:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pix2pred.domains.home.drawing.bodies import MOUNTS
 from pix2pred.domains.home.drawing.maker import HEIGHT, WIDTH
-from pix2pred.domains.home.stage import Stage, scene_key, stage_for
+from pix2pred.domains.home.stage import PhysicalScene, scene_key, stage_for
 from pix2pred.domains.home.world import Body, World
 from pix2pred.domains.physics import OpenGLMissingError, mujoco_library
 from pix2pred.domains.physics.library import backend
@@ -32,7 +32,7 @@ _UPRIGHT = {m.name: round(m.roll) for m in MOUNTS}
 class Eye:
     """Draws the states of one scene. The OpenGL context is made for the first picture."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: PhysicalScene) -> None:
         mujoco, used = mujoco_library(), backend()
         self._mujoco = mujoco
         self.stage = stage

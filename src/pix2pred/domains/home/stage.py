@@ -28,7 +28,7 @@ def is_free(thing: Thing) -> bool:
     return thing.kind in KINDS
 
 
-class Stage:
+class PhysicalScene:
     """The model of one scene, in which a robot is made by ``robot``. Use it in one thread only."""
 
     def __init__(self, world: World, robot: Callable[[Maker], None] = bodies.make_robot) -> None:
@@ -275,7 +275,7 @@ def _make_rind(maker: Maker, thing: Thing) -> None:
 
 
 _KEPT = 3
-_STAGES: OrderedDict[tuple[Any, ...], Stage] = OrderedDict()
+_STAGES: OrderedDict[tuple[Any, ...], PhysicalScene] = OrderedDict()
 
 
 def scene_key(world: World) -> tuple[Any, ...]:
@@ -284,11 +284,11 @@ def scene_key(world: World) -> tuple[Any, ...]:
     return world.room, world.style, world.body, tuple((t.name, t.kind, t.look) for t in world.things), tuple(lids)
 
 
-def stage_for(world: World) -> Stage:
+def stage_for(world: World) -> PhysicalScene:
     """The stage of the scene, kept for the next few questions about it."""
     key = scene_key(world)
     if key not in _STAGES:
-        _STAGES[key] = Stage(world)
+        _STAGES[key] = PhysicalScene(world)
         if len(_STAGES) > _KEPT:
             _STAGES.popitem(last=False)
     _STAGES.move_to_end(key)

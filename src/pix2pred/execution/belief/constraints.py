@@ -42,7 +42,7 @@ class Constraint(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class CountedGroup:
     """At most one of ``members`` holds, or exactly one; ``broken`` is the probability that it is not so.
 
     ``taken``: the one that may hold is known, and is none of the members.
@@ -53,11 +53,11 @@ class Group:
     broken: float
     taken: bool = False
 
-    def settled(self, count: int, holding: Collection[int]) -> Iterator[Group]:
+    def settled(self, count: int, holding: Collection[int]) -> Iterator[CountedGroup]:
         """The same of the members below ``count``, once it is known which others hold; nothing if two of them do."""
         taken = sum(a >= count and a in holding for a in self.members)
         if taken <= 1:
-            yield Group(tuple(a for a in self.members if a < count), self.exactly, self.broken, taken == 1)
+            yield CountedGroup(tuple(a for a in self.members if a < count), self.exactly, self.broken, taken == 1)
 
     def messages(self, odds: Sequence[float]) -> list[float]:
         weights = [math.exp(o) for o in odds]
@@ -129,7 +129,7 @@ class Constraints:
                     self._constraints.append(made(tuple(numbers.setdefault(a, len(numbers)) for a in atoms)))
         self._given = {a: i - self._count for a, i in numbers.items() if i >= self._count}
         self._premised: dict[int, list[Constraint]] = {}
-        self._groups: list[Group] = []
+        self._groups: list[CountedGroup] = []
         self._always: list[Constraint] = []
         for constraint in self._constraints:
             self._file(constraint)
@@ -140,7 +140,7 @@ class Constraints:
         """An implication whose given premise does not hold says nothing, and there are many of these."""
         if isinstance(constraint, Implied) and constraint.members[0] >= self._count:
             self._premised.setdefault(constraint.members[0] - self._count, []).append(constraint)
-        elif isinstance(constraint, Group):
+        elif isinstance(constraint, CountedGroup):
             self._groups.append(constraint)
         else:
             self._always.append(constraint)
@@ -204,7 +204,7 @@ def _instances(invariant: Invariant, objects: Sequence[Object]) -> Iterator[tupl
         case MutexGroup(fixed, lifted, exactly, _):
 
             def group(members: tuple[int, ...]) -> Constraint:
-                return Group(members, exactly, broken)
+                return CountedGroup(members, exactly, broken)
 
             for chosen in groundings([v.type for v in fixed], objects, distinct=True):
                 binding = dict(zip(fixed, chosen, strict=True))

@@ -12,7 +12,7 @@ from pix2pred.learning.operators.transition_class import to_operator
 from pix2pred.learning.selection.candidates import distinct_candidates
 from pix2pred.learning.selection.reconsidering import Reconsideration
 from pix2pred.learning.selection.result import ClimbEnd, ClimbStep, Selection
-from pix2pred.learning.selection.scored_sets import Effort, ScoredSets
+from pix2pred.learning.selection.scored_sets import ScoredSets, SearchCounts
 from pix2pred.learning.selection.stopping_rule import Reconsidering, ScoredSet, StoppingRule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Operator, Predicate, TruthTable
@@ -62,7 +62,7 @@ class Climb:
         self._pinned = tuple(sorted(self._data.predicates.index(p) for p in pinned))
         self._objective = Objective(self._model, parts.objective, parts.map_)
         representatives = distinct_candidates(self._model, self._pinned, parts.static_demos)
-        effort = Effort(evaluations=1, scored=1)  # the start
+        effort = SearchCounts(evaluations=1, scored=1)  # the start
         self._sets = ScoredSets(self._model, self._rule, self._objective, representatives, self._pinned, effort)
 
     @property

@@ -21,7 +21,7 @@ SHOWN_RUNNERS_UP = 10
 
 
 @dataclass(slots=True)
-class Effort:
+class SearchCounts:
     """Candidate sets considered, those whose J had to be computed, and searches that ran out of nodes."""
 
     evaluations: int = 0
@@ -43,7 +43,7 @@ class ScoredSets:
         objective: Objective,
         representatives: dict[int, list[int]],
         pinned: tuple[int, ...],
-        effort: Effort,
+        effort: SearchCounts,
     ) -> None:
         self.model, self.rule, self.objective = model, rule, objective
         self.representatives, self.pinned = representatives, pinned

@@ -22,7 +22,7 @@ BRIGHT: Sequence[Colour] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class MovableKind:
     """How a kind of thing is made, how high its middle lies above what it rests on, and how far it reaches.
 
     ``shade`` is the share of its reach that its shadow has.
@@ -171,25 +171,25 @@ FRUIT_COLOUR: Mapping[str, Colour] = {
 }  # fmt: skip
 _BROWN: Colour = (0.30, 0.22, 0.10)
 
-KINDS: Mapping[str, Kind] = {
-    "eraser": Kind(_eraser, 0.027, 0.08),
-    "ball": Kind(_ball, 0.05, 0.05),
-    "block": Kind(_block, 0.042, 0.055),
-    "car": Kind(_car, 0.038, 0.075),
-    "bottle": Kind(_bottle, 0.075, 0.05),
-    "book": Kind(_book, 0.0145, 0.08),
-    "duck": Kind(_duck, 0.048, 0.07),
-    "can": Kind(_can, 0.055, 0.045),
-    "carton": Kind(_carton, 0.055, 0.05),
-    "banana": Kind(_banana, 0.017, 0.085),
-    "tape": Kind(_tape, 0.02, 0.05),
-    "orange": Kind(
+KINDS: Mapping[str, MovableKind] = {
+    "eraser": MovableKind(_eraser, 0.027, 0.08),
+    "ball": MovableKind(_ball, 0.05, 0.05),
+    "block": MovableKind(_block, 0.042, 0.055),
+    "car": MovableKind(_car, 0.038, 0.075),
+    "bottle": MovableKind(_bottle, 0.075, 0.05),
+    "book": MovableKind(_book, 0.0145, 0.08),
+    "duck": MovableKind(_duck, 0.048, 0.07),
+    "can": MovableKind(_can, 0.055, 0.045),
+    "carton": MovableKind(_carton, 0.055, 0.05),
+    "banana": MovableKind(_banana, 0.017, 0.085),
+    "tape": MovableKind(_tape, 0.02, 0.05),
+    "orange": MovableKind(
         fruit(FRUIT_COLOUR["orange"], (0.042, 0.042, 0.040), (0.25, 0.4, 0.12), leaf=True), 0.04, 0.045, 0.72
     ),
-    "apple": Kind(fruit(FRUIT_COLOUR["apple"], (0.042, 0.042, 0.038), _BROWN, leaf=True), 0.038, 0.045, 0.72),
-    "lime": Kind(fruit(FRUIT_COLOUR["lime"], (0.040, 0.034, 0.034), _BROWN, tips=True), 0.034, 0.042, 0.72),
-    "plum": Kind(fruit(FRUIT_COLOUR["plum"], (0.036, 0.036, 0.038), _BROWN), 0.038, 0.04, 0.72),
-    "lemon": Kind(fruit(FRUIT_COLOUR["lemon"], (0.048, 0.034, 0.034), _BROWN, tips=True), 0.034, 0.05, 0.72),
-    "melon": Kind(fruit((0.42, 0.62, 0.30), (0.11, 0.11, 0.105), _BROWN), 0.105, 0.12, 0.72),
+    "apple": MovableKind(fruit(FRUIT_COLOUR["apple"], (0.042, 0.042, 0.038), _BROWN, leaf=True), 0.038, 0.045, 0.72),
+    "lime": MovableKind(fruit(FRUIT_COLOUR["lime"], (0.040, 0.034, 0.034), _BROWN, tips=True), 0.034, 0.042, 0.72),
+    "plum": MovableKind(fruit(FRUIT_COLOUR["plum"], (0.036, 0.036, 0.038), _BROWN), 0.038, 0.04, 0.72),
+    "lemon": MovableKind(fruit(FRUIT_COLOUR["lemon"], (0.048, 0.034, 0.034), _BROWN, tips=True), 0.034, 0.05, 0.72),
+    "melon": MovableKind(fruit((0.42, 0.62, 0.30), (0.11, 0.11, 0.105), _BROWN), 0.105, 0.12, 0.72),
 }
 """``melon`` goes into no juicer."""

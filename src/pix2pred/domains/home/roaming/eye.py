@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.domains.home.cameras import Eye
-from pix2pred.domains.home.stage import Stage
+from pix2pred.domains.home.stage import PhysicalScene
 
 
 class RoamingEye(Eye):
     """Adds distances to what an eye sees."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: PhysicalScene) -> None:
         super().__init__(stage)
 
     def depth(self, camera: str) -> NDArray[np.float32]:

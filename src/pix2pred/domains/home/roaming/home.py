@@ -17,7 +17,7 @@ from pix2pred.domains.home.roaming.eye import RoamingEye
 from pix2pred.domains.home.roaming.hand import Held, Machine, Wielded
 from pix2pred.domains.home.roaming.robot import cameras, make_roaming_robot, pose_robot
 from pix2pred.domains.home.settling import let_go, rise_of, settled
-from pix2pred.domains.home.stage import Stage, is_free
+from pix2pred.domains.home.stage import PhysicalScene, is_free
 from pix2pred.domains.home.world import SCENERY, Thing, World
 from pix2pred.domains.physics import mujoco_library
 from pix2pred.structs.space.poses import Array, FloorPose, Pose
@@ -43,7 +43,7 @@ class RoamingHome:
         self.start = FloorPose()
         self.world = world
         self._machine = machine
-        self._stage = Stage(world, make_roaming_robot)
+        self._stage = PhysicalScene(world, make_roaming_robot)
         self._eye: RoamingEye | None = None
         self._place, self._hand = self.start, Pose()
         self._wielded: Wielded | None = None

@@ -20,7 +20,7 @@ from pix2pred.domains.home.drawing.bodies import (
 )
 from pix2pred.domains.home.drawing.maker import HEIGHT, WIDTH, Maker
 from pix2pred.domains.home.roaming.tags import make_tags
-from pix2pred.domains.home.stage import Stage
+from pix2pred.domains.home.stage import PhysicalScene
 from pix2pred.structs.space.poses import FloorPose, Pose, quaternion_of
 from pix2pred.structs.space.surroundings import CameraMount
 
@@ -63,7 +63,7 @@ def make_roaming_robot(maker: Maker) -> None:
         maker.rod(f"body/{name}", radius, (0, 0, 0), (long, 0, 0), colour, body=maker.body(name))
 
 
-def pose_robot(stage: Stage, base: FloorPose, hand: Pose) -> None:
+def pose_robot(stage: PhysicalScene, base: FloorPose, hand: Pose) -> None:
     """Put the robot's parts where they are when its nose is over ``base`` and its hand at ``hand`` in the room.
 
     The elbow bends upward; a hand that is further than the arm is long leaves a gap at the wrist.
