@@ -13,7 +13,7 @@ accepted or not, moved into the box. The default estimators are Bayesian, meant 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, Self
 
@@ -23,8 +23,6 @@ from numpy.typing import NDArray
 from pix2pred.learning.samplers.data import Rows, SamplerData, input_row, sampler_data
 from pix2pred.structs import Demo, LabelledDemo, Object, Operator
 from pix2pred.structs.samplers import Draw, Features, Sampler, clip_to_box
-
-Arrays = Mapping[str, NDArray[np.generic]]
 
 PRIOR_EXAMPLES = 3.0
 PRIOR_SPREAD = 0.015
