@@ -39,7 +39,7 @@ from pix2pred.pipeline import LearningProblem
 from pix2pred.predicates import ground_atoms, labeller_for
 from pix2pred.predicates.prompt import atom_text, views
 from pix2pred.registry import _said, load_domain, load_planner
-from pix2pred.runs.distilling.distil import Sources, distil
+from pix2pred.runs.distilling.distil import ReaderSources, distil
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import MODEL, SAMPLERS
 from pix2pred.runs.learn import learn_into, run_config
@@ -326,7 +326,7 @@ class Study:
         fresh = self.world.fresh(looks)
         self.world.pieces.begin()
         start = time.process_time()
-        card = distil(Sources(run.path, stores), folder)
+        card = distil(ReaderSources(run.path, stores), folder)
         seconds = time.process_time() - start
         reader = DistilledReader(*read_reader(folder))
         asked = Counting(self.teacher)

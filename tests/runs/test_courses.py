@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from pix2pred.runs.distilling.courses import Asked, LabelledLook, Node, Step, weighed_labels
+from pix2pred.runs.distilling.courses import AskedEpisodes, LabelledLook, Node, Step, weighed_labels
 from pix2pred.structs import (
     FromVLM,
     LiftedAtom,
@@ -49,7 +49,7 @@ MODEL = WorldModel(
 )
 
 
-def episode(asked: Asked, labels: list[tuple[bool, bool]], steps: list[Step], name: str = "look") -> list[Node]:
+def episode(asked: AskedEpisodes, labels: list[tuple[bool, bool]], steps: list[Step], name: str = "look") -> list[Node]:
     """Add an episode: one question about two states each, and the labels of every state."""
     nodes: list[Node] = [(t, (f"{name} {t}",)) for t in range(len(labels))]
     for before, after, step in zip(nodes, nodes[1:], steps, strict=False):
@@ -72,7 +72,7 @@ def test_a_label_that_contradicts_what_skills_do_is_turned_round() -> None:
     said = [*TRUTH]
     said[2] = (False, True)  # lamp1 was switched on, and is still on after lamp2
     said[4] = (False, True)  # lamp1 was just switched on again
-    asked = Asked()
+    asked = AskedEpisodes()
     nodes = episode(asked, said, STEPS)
     asked.looks[nodes[0][1]].votes["lit", ("lamp9",)][True] += 1  # an atom about nothing that is there
     weighed = weighed_labels(asked, MODEL)
@@ -83,7 +83,7 @@ def test_a_label_that_contradicts_what_skills_do_is_turned_round() -> None:
 
 
 def test_a_skill_may_change_what_it_is_not_applied_to_where_one_of_its_operators_does() -> None:
-    asked, truth = Asked(), [False, True, True, False, False, False]
+    asked, truth = AskedEpisodes(), [False, True, True, False, False, False]
     steps: list[Step] = [
         ("Pack", ("lamp1",)), ("SwitchOn", ("lamp2",)), ("Pack", ("lamp1",)), ("SwitchOff", ("lamp2",)),
         ("SwitchOn", ("lamp1",)),
@@ -100,7 +100,7 @@ def test_a_skill_may_change_what_it_is_not_applied_to_where_one_of_its_operators
 
 @pytest.mark.parametrize("step", [("Break", ("lamp1",)), ("SwitchOn", ("lamp7",))])
 def test_of_skills_and_objects_that_nobody_knows_votes_count_as_they_are(step: Step) -> None:
-    asked = Asked()
+    asked = AskedEpisodes()
     [first, *_] = episode(asked, TRUTH, [step] * len(STEPS))
     asked.looks[first[1]].votes["lit", ("lamp1",)][True] += 2
     weighed = weighed_labels(asked, MODEL)
@@ -109,7 +109,7 @@ def test_of_skills_and_objects_that_nobody_knows_votes_count_as_they_are(step: S
 
 
 def test_every_state_is_in_one_course_where_episodes_part_or_come_back() -> None:
-    asked = Asked()
+    asked = AskedEpisodes()
     episode(asked, TRUTH[:3], STEPS)
     start = (0, ("look 0",))
     asked.follow([start, (1, ("other",))], [("SwitchOn", ("lamp2",))])

@@ -9,10 +9,10 @@ from cyclopts import Parameter
 
 from pix2pred.cli.console import UsageError, bars, err, out, print_json
 from pix2pred.cli.ranges import NOT_NEGATIVE, between, output_folder
-from pix2pred.runs.distilling.distil import Sources, load_sources
+from pix2pred.runs.distilling.distil import ReaderSources, load_sources
 from pix2pred.runs.distilling.distil import distil as distil_run
 from pix2pred.runs.folder import RunFolder
-from pix2pred.vlm.distilled.files import CARD, CardDoc, WordDoc
+from pix2pred.vlm.distilled.files import CARD, CardDoc, TaughtWordDoc
 from pix2pred.vlm.distilled.fitting.lesson import FitSettings
 
 _DEFAULTS = FitSettings()
@@ -58,11 +58,11 @@ def distil(
             raise UsageError("--resume READER takes the run and the words from the reader; leave out RUN, --out, --all")
         before = load_sources(resume).extended(with_ or [])
         settings = FitSettings.model_validate(before.settings.model_dump() | changed)
-        sources, folder = Sources(before.run, before.episodes, before.everything, settings), resume
+        sources, folder = ReaderSources(before.run, before.episodes, before.everything, settings), resume
     elif run is None or out_ is None:
         raise UsageError("name a run and a folder for the reader: pix2pred distil RUN --out READER")
     else:
-        sources, folder = Sources(run, tuple(with_ or ()), all_, FitSettings.model_validate(changed)), out_
+        sources, folder = ReaderSources(run, tuple(with_ or ()), all_, FitSettings.model_validate(changed)), out_
     RunFolder(sources.run).config()
     with bars() as progress:
         card = distil_run(sources, folder, progress)
@@ -95,7 +95,7 @@ def _print(card: CardDoc) -> None:
         out.print(f"  not taught: {left.word}({', '.join(left.kinds)}) {left.reason}", markup=False, soft_wrap=True)
 
 
-def _about(word: WordDoc) -> str:
+def _about(word: TaughtWordDoc) -> str:
     right = f"{word.right / word.answered:.1%} as its teacher" if word.answered else "none"
     return (
         f"{word.word}({', '.join(word.kinds)}): answers {word.answered} of {word.seen}, {right}; takes "

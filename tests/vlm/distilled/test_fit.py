@@ -14,13 +14,13 @@ from pix2pred.structs import Box, Image, Picture
 from pix2pred.vlm.distilled.calibration import calibrate
 from pix2pred.vlm.distilled.fitting.fit import fit
 from pix2pred.vlm.distilled.fitting.lesson import Lesson, LessonError
-from pix2pred.vlm.distilled.model import Reading, Why
-from pix2pred.vlm.distilled.sight import NEAR_SIDE, ORIENTATIONS, Change, Shown, see, split
+from pix2pred.vlm.distilled.model import AtomReading, Why
+from pix2pred.vlm.distilled.sight import NEAR_SIDE, ORIENTATIONS, Augmentation, PicturePyramid, see, split
 from pix2pred.vlm.offline.label_question import Look
 from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, lesson, taught
 
 
-def read(look: Look, *atoms: tuple[str, ...]) -> list[Reading]:
+def read(look: Look, *atoms: tuple[str, ...]) -> list[AtomReading]:
     return taught().model.read(look, [(word, tuple(names)) for word, *names in atoms])
 
 
@@ -86,7 +86,7 @@ def test_it_does_not_know_what_it_cannot_see_or_was_not_taught() -> None:
     blank = Look((replace(picture, image=Image.from_pixels(pixels)),), TYPES)
     gone = Look((Picture("front", picture.image, {n: b for n, b in picture.boxes.items() if n != "lamp1"}),), TYPES)
     assert [r.why for r in read(blank, ("lit", "lamp1"), ("above", "lamp1", "tray"))] == [Why.BLANK, Why.BLANK]
-    assert read(gone, ("lit", "lamp1"))[0] == Reading(None, 0.5, Why.UNSEEN)
+    assert read(gone, ("lit", "lamp1"))[0] == AtomReading(None, 0.5, Why.UNSEEN)
     assert [r.why for r in read(look, ("warm", "lamp1"), ("lit", "tray"))] == [Why.UNTAUGHT, Why.UNTAUGHT]
 
 
@@ -112,7 +112,7 @@ def test_objects_of_another_domain_under_the_same_names_are_strange() -> None:
     task = load_domain("burger").tasks("combo", 5, 1)[0].task
     picture = task.initial.pictures[0]
     names = sorted(picture.boxes)
-    readings: list[Reading] = []
+    readings: list[AtomReading] = []
     for one, other in pairwise([*names, names[0]]):
         boxes = {"lamp1": picture.boxes[one], "tray": picture.boxes[other]}
         look = Look((replace(picture, boxes=boxes),), TYPES)
@@ -181,6 +181,6 @@ def test_gradients_are_counted_in_the_eighth_of_a_turn_to_which_they_point() -> 
         down, across = np.mgrid[:NEAR_SIDE, :NEAR_SIDE] / (2.0 * NEAR_SIDE)
         grey = 0.5 + 0.4 * (np.cos(turn) * across + np.sin(turn) * down)
         pixels = np.repeat((255 * grey).astype(np.float32)[..., None], 3, axis=2)
-        shown = Shown([PIL.Image.fromarray(np.clip(pixels, 0, 255).astype(np.uint8)).resize((640, 640))])
-        counted = split(see(shown, [Box(0, 0, 640, 640)], [Change(scale=0.8)]))["edges"].reshape(-1, ORIENTATIONS)
+        shown = PicturePyramid([PIL.Image.fromarray(np.clip(pixels, 0, 255).astype(np.uint8)).resize((640, 640))])
+        counted = split(see(shown, [Box(0, 0, 640, 640)], [Augmentation(scale=0.8)]))["edges"].reshape(-1, ORIENTATIONS)
         assert counted.sum(axis=0).argmax() == number

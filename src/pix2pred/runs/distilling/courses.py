@@ -49,7 +49,7 @@ class LabelledLook:
 
 
 @dataclass(slots=True)
-class Asked:
+class AskedEpisodes:
     """What was asked about: all states, and which followed which by what skill."""
 
     looks: dict[LookKey, LabelledLook] = field(default_factory=dict)
@@ -90,7 +90,7 @@ class Asked:
             yield run, steps
 
 
-def weighed_labels(asked: Asked, model: WorldModel) -> Mapping[LookKey, Weighed]:
+def weighed_labels(asked: AskedEpisodes, model: WorldModel) -> Mapping[LookKey, Weighed]:
     """For every look the labels that were given, as they are likely to be.
 
     Where skills, types or objects are not of the model, and for words that it does not use, what was said more often.
@@ -166,7 +166,7 @@ def _changes(
     return happens
 
 
-def _course(asked: Asked, looks: Sequence[LookKey], steps: Sequence[Step], model: WorldModel) -> _Course | None:
+def _course(asked: AskedEpisodes, looks: Sequence[LookKey], steps: Sequence[Step], model: WorldModel) -> _Course | None:
     """The labels of states that followed one another; none where a type, skill or object is not known."""
     types = {t.name: t for t in model.vocabulary.types}
     skills = {s.name: s for s in model.vocabulary.skills}

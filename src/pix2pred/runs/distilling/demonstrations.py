@@ -22,7 +22,7 @@ LEAST_WEIGHT = 0.2
 
 
 @dataclass(slots=True)
-class Taught:
+class TeachingMaterial:
     """Looks with their labels, the demonstration or episode of each, and counts for the card.
 
     ``predicates`` are those that are taught; ``lost`` counts looks without a picture.
@@ -53,7 +53,7 @@ class Taught:
         return len(self.looks) - 1
 
 
-def taught_by_demonstrations(run: RunFolder, stores: Stores, *, everything: bool) -> Taught:
+def taught_by_demonstrations(run: RunFolder, stores: Stores, *, everything: bool) -> TeachingMaterial:
     """The labels of the predicates of the world model, or of ``everything`` in the pool.
 
     Raises ``RunFolderError`` for a run that was not finished.
@@ -64,7 +64,7 @@ def taught_by_demonstrations(run: RunFolder, stores: Stores, *, everything: bool
     traces, model = load_traces(run.path / TRACES), load_model(run.path / MODEL)
     predicates = _wanted(traces, frozenset(model.predicates), everything=everything)
     evidence = {demo.name: demo for demo in load_evidence(run.path / EVIDENCE).demos}
-    found = Taught(model, predicates)
+    found = TeachingMaterial(model, predicates)
     doubts = _doubts(traces, predicates)
     corrected = {(*cell[:2], tuple(cell[2])) for cell in load_corrections(run.path / CORRECTIONS).labels}
     for demo in traces.table.demos:
@@ -89,7 +89,7 @@ def _doubts(traces: Traces, predicates: frozenset[Predicate]) -> dict[tuple[str,
 
 
 def _add_demo(
-    found: Taught,
+    found: TeachingMaterial,
     demo: LabelledDemo,
     evidence: DemoEvidence,
     predicates: frozenset[Predicate],

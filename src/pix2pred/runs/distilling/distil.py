@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pix2pred.runs import addresses
-from pix2pred.runs.distilling.demonstrations import Taught, taught_by_demonstrations
+from pix2pred.runs.distilling.demonstrations import TeachingMaterial, taught_by_demonstrations
 from pix2pred.runs.distilling.episodes import add_episodes
 from pix2pred.runs.distilling.pictures import Stores
 from pix2pred.runs.folder import RunFolder, RunFolderError
@@ -27,7 +27,7 @@ SOURCES = "sources.json"
 
 
 @dataclass(frozen=True, slots=True)
-class Sources:
+class ReaderSources:
     """A run, folders with answers of more episodes, and how a reader is to be made of them."""
 
     run: Path
@@ -35,14 +35,14 @@ class Sources:
     everything: bool = False
     settings: FitSettings = field(default_factory=FitSettings)
 
-    def extended(self, episodes: Sequence[Path]) -> Sources:
+    def extended(self, episodes: Sequence[Path]) -> ReaderSources:
         """With more folders of episodes."""
         known = {folder.resolve() for folder in self.episodes}
         new = [folder for folder in episodes if folder.resolve() not in known]
-        return Sources(self.run, (*self.episodes, *new), self.everything, self.settings)
+        return ReaderSources(self.run, (*self.episodes, *new), self.everything, self.settings)
 
 
-def distil(sources: Sources, out: Path, progress: Progress = silent) -> CardDoc:
+def distil(sources: ReaderSources, out: Path, progress: Progress = silent) -> CardDoc:
     """Make a reader in ``out``; gives its card.
 
     Raises ``RunFolderError`` for a run that was not finished, and ``LessonError`` when nothing can be learned.
@@ -88,7 +88,7 @@ def _answers_of(folder: Path) -> AnswerStore:
     return AnswerStore(folder)
 
 
-def _made_from(found: Taught, teacher: str) -> MadeFrom:
+def _made_from(found: TeachingMaterial, teacher: str) -> MadeFrom:
     digest = hashlib.sha256()
     for look, group in zip(found.looks, found.groups, strict=True):
         digest.update(json.dumps([group, *(p.image.digest for p in look.pictures)]).encode())
@@ -101,7 +101,7 @@ def _made_from(found: Taught, teacher: str) -> MadeFrom:
     )  # fmt: skip
 
 
-def _sources_doc(sources: Sources, out: Path) -> dict[str, Any]:
+def _sources_doc(sources: ReaderSources, out: Path) -> dict[str, Any]:
     def relative(path: Path) -> str:
         return Path(os.path.relpath(path.resolve(), out.resolve())).as_posix()
 
@@ -115,12 +115,12 @@ def _sources_doc(sources: Sources, out: Path) -> dict[str, Any]:
     }
 
 
-def load_sources(reader: Path) -> Sources:
+def load_sources(reader: Path) -> ReaderSources:
     """What a reader was made from. Raises ``ReaderFileError`` for a folder that does not say."""
     path = reader / SOURCES
     try:
         doc = json.loads(path.read_text(encoding="utf-8"))
-        return Sources(
+        return ReaderSources(
             reader / doc["run"],
             tuple(reader / folder for folder in doc["episodes"]),
             bool(doc["everything"]),

@@ -8,8 +8,8 @@ from typing import Any
 
 from pix2pred.predicates.frugal.histories import HistoryFormat
 from pix2pred.predicates.labelling.label_format import LabelFormat
-from pix2pred.runs.distilling.courses import Asked, LabelledLook, LookKey, weighed_labels
-from pix2pred.runs.distilling.demonstrations import LEAST_WEIGHT, Taught
+from pix2pred.runs.distilling.courses import AskedEpisodes, LabelledLook, LookKey, weighed_labels
+from pix2pred.runs.distilling.demonstrations import LEAST_WEIGHT, TeachingMaterial
 from pix2pred.runs.distilling.pictures import Stores
 from pix2pred.structs import Label, Picture
 from pix2pred.vlm import AnswerStore, Finish, Purpose
@@ -21,9 +21,9 @@ from pix2pred.vlm.offline.prompt_format import asked_atoms, executed_skills, obj
 _LABELLING = frozenset({Purpose.LABEL, Purpose.DOUBLE_CHECK, Purpose.HISTORY, Purpose.ASK_AGAIN})
 
 
-def add_episodes(found: Taught, answers: AnswerStore, teacher: str, stores: Stores) -> int:
+def add_episodes(found: TeachingMaterial, answers: AnswerStore, teacher: str, stores: Stores) -> int:
     """Add what ``teacher`` said in ``answers`` about states that are not there yet; gives how many were added."""
-    asked = Asked()
+    asked = AskedEpisodes()
     for entry in read_all(answers):
         if entry.model == teacher and entry.purpose in _LABELLING and entry.answer.finish == Finish.COMPLETE:
             _read(entry, found.words, asked)
@@ -47,7 +47,7 @@ def add_episodes(found: Taught, answers: AnswerStore, teacher: str, stores: Stor
     return len(found.looks) - before
 
 
-def _read(entry: StoredEntry, words: set[str], asked: Asked) -> None:
+def _read(entry: StoredEntry, words: set[str], asked: AskedEpisodes) -> None:
     text = "\n\n".join(entry.texts)
     states = _states(entry)
     if not states:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pix2pred.system.seeded import draw
-from pix2pred.vlm.distilled.model import Reading
+from pix2pred.vlm.distilled.model import AtomReading
 from pix2pred.vlm.distilled.question import LABELLING, about
 from pix2pred.vlm.distilled.reader import DistilledReader, Line, written
 from pix2pred.vlm.distilled.tally import Checked, Tally
@@ -84,7 +84,7 @@ class Cascade:
         return Answer("", answer.stored, spent=answer.spent) if lines and answer.finish == Finish.REFUSED else answer
 
     def _checks(
-        self, answer: Answer, audited: Sequence[AskedAtom], readings: Mapping[int, Mapping[AskedAtom, Reading]]
+        self, answer: Answer, audited: Sequence[AskedAtom], readings: Mapping[int, Mapping[AskedAtom, AtomReading]]
     ) -> list[Checked]:
         """What the large model says about sure answers in the latest state."""
         latest = readings[max(readings)] if audited else {}

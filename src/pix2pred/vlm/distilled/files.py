@@ -24,7 +24,7 @@ from pix2pred.vlm.distilled.calibration import SCORES, Calibration
 from pix2pred.vlm.distilled.codes import PartCode, RegionCode
 from pix2pred.vlm.distilled.fitting.fit import Fitted
 from pix2pred.vlm.distilled.machine import Kernel, Layout, Rows, WordMachine
-from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, Taught
+from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, WordReader
 from pix2pred.vlm.distilled.sight import PARTS, Array
 
 CARD, WEIGHTS = "card.json", "weights.npz"
@@ -54,7 +54,7 @@ class CurveDoc(Document):
     most: float
 
 
-class WordDoc(Document):
+class TaughtWordDoc(Document):
     """A word: what it is asked about, how it did on demonstrations left out, and how it is computed."""
 
     word: str
@@ -101,7 +101,7 @@ class CardDoc(Document):
     settings: dict[str, float]
     sure: float
     strange: float
-    words: tuple[WordDoc, ...]
+    words: tuple[TaughtWordDoc, ...]
     untaught: tuple[UntaughtDoc, ...]
     kinds: tuple[tuple[str, ...], ...] = Field(description="kinds of objects, in the order of the weights")
     regions: tuple[str, ...] = Field(description="kinds of regions, in the order of the weights")
@@ -131,7 +131,7 @@ def write_reader(directory: Path, fitted: Fitted, made_from: MadeFrom, settings:
         taught = model.kinds[result.kinds].words[result.word]
         kernel, curve = taught.machine.kernel, taught.calibration
         words.append(
-            WordDoc(
+            TaughtWordDoc(
                 word=result.word, kinds=result.kinds, seen=result.seen, true=result.true, answered=result.answered,
                 right=result.right, teacher_error=result.teacher_error,
                 kernel=KernelDoc(linear=kernel.linear, scale=kernel.scale, parts=kernel.parts),
@@ -221,14 +221,14 @@ def _model(card: CardDoc, arrays: Mapping[str, NDArray[Any]]) -> DistilledModel:
     for k, name in enumerate(card.kinds):
         rows = _floats(arrays[f"kinds|{k}|rows"])
         layout = Layout(dict(card.layouts[k]), _floats(arrays[f"kinds|{k}|spreads"]))
-        words: dict[str, Taught] = {}
+        words: dict[str, WordReader] = {}
         for doc in card.words:
             if doc.kinds == name:
                 kernel = Kernel(doc.kernel.linear, doc.kernel.scale, doc.kernel.parts)
                 weights = _floats(arrays[f"kinds|{k}|word|{doc.word}"])
                 odds = arrays.get(f"kinds|{k}|odds|{doc.word}", doc.curve.slope * (SCORES - doc.curve.middle))
                 curve = Calibration(**doc.curve.model_dump(), odds=odds.astype(np.float64))
-                words[doc.word] = Taught(WordMachine(kernel, weights), curve)
+                words[doc.word] = WordReader(WordMachine(kernel, weights), curve)
         nearest = float(arrays[f"kinds|{k}|nearest"][0])
         kinds[name] = KindsModel(Rows(layout, rows), _floats(arrays[f"kinds|{k}|relation"]), nearest, words)
     return DistilledModel(regions, kinds, Bars(card.sure, card.strange))

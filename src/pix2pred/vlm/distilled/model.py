@@ -34,7 +34,7 @@ class Why(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class AtomReading:
     """``value`` is ``None`` when the reader does not know; ``probability`` is that of true, as far as it can tell."""
 
     value: bool | None
@@ -54,7 +54,7 @@ class Bars:
 
 
 @dataclass(frozen=True, slots=True)
-class Taught:
+class WordReader:
     """One word about objects of certain kinds.
 
     ``machine`` gives it a score, which ``calibration`` makes a probability.
@@ -75,11 +75,11 @@ class KindsModel:
     rows: Rows
     relation: Array
     nearest: float
-    words: Mapping[str, Taught]
+    words: Mapping[str, WordReader]
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class PictureScore:
     """What one picture says about an atom.
 
     ``score`` is that of its word, about -1 for false and 1 for true; ``strange`` tells how unlike the training its
@@ -103,11 +103,11 @@ class DistilledModel:
         """Every word with the kinds of objects it was taught about, sorted."""
         return sorted((word, kinds) for kinds, model in self.kinds.items() for word in model.words)
 
-    def read(self, look: Look, atoms: Sequence[AtomAsked]) -> list[Reading]:
+    def read(self, look: Look, atoms: Sequence[AtomAsked]) -> list[AtomReading]:
         """A reading for each atom, from all pictures of the look that show its objects."""
-        views: defaultdict[AtomAsked, list[View]] = defaultdict(list)
+        views: defaultdict[AtomAsked, list[PictureScore]] = defaultdict(list)
         why: dict[AtomAsked, Why] = dict.fromkeys(atoms, Why.UNSEEN)
-        taught: dict[AtomAsked, Taught] = {}
+        taught: dict[AtomAsked, WordReader] = {}
         for picture in look.pictures:
             seen = PictureSeen(look, picture)
             asked: defaultdict[Kinds, list[AtomAsked]] = defaultdict(list)
@@ -126,10 +126,13 @@ class DistilledModel:
             for atom, view in self._views(seen, asked):
                 views[atom].append(view)
         return [
-            self._reading(taught[atom], views[atom]) if views[atom] else Reading(None, 0.5, why[atom]) for atom in atoms
+            self._reading(taught[atom], views[atom]) if views[atom] else AtomReading(None, 0.5, why[atom])
+            for atom in atoms
         ]
 
-    def _views(self, seen: PictureSeen, asked: Mapping[Kinds, Sequence[AtomAsked]]) -> Iterator[tuple[AtomAsked, View]]:
+    def _views(
+        self, seen: PictureSeen, asked: Mapping[Kinds, Sequence[AtomAsked]]
+    ) -> Iterator[tuple[AtomAsked, PictureScore]]:
         """What a picture says about atoms; each of their regions is looked at once."""
         tuples = {kinds: list(dict.fromkeys(names for _, names in atoms)) for kinds, atoms in asked.items()}
         coded = self._coded(seen, tuples)
@@ -148,7 +151,7 @@ class DistilledModel:
             place = {names: i for i, names in enumerate(tuples[kinds])}
             scores = {word: model.words[word].machine.scores(compared) for word in dict.fromkeys(w for w, _ in atoms)}
             for word, names in atoms:
-                yield (word, names), View(float(scores[word][place[names]]), float(strange[place[names]]))
+                yield (word, names), PictureScore(float(scores[word][place[names]]), float(strange[place[names]]))
 
     def _coded(
         self, seen: PictureSeen, tuples: Mapping[Kinds, Sequence[Names]]
@@ -169,14 +172,14 @@ class DistilledModel:
                 found[region] = (code, strange)
         return found
 
-    def _reading(self, taught: Taught, views: Sequence[View]) -> Reading:
+    def _reading(self, taught: WordReader, views: Sequence[PictureScore]) -> AtomReading:
         known = [view for view in views if view.strange <= self.bars.strange]
         if not known:
-            return Reading(None, 0.5, Why.STRANGE)
+            return AtomReading(None, 0.5, Why.STRANGE)
         p = taught.calibration.probability(joint([view.score for view in known]))
         if max(p, 1 - p) < self.bars.sure:
-            return Reading(None, p, Why.UNSURE)
-        return Reading(p > 0.5, p, Why.READ)
+            return AtomReading(None, p, Why.UNSURE)
+        return AtomReading(p > 0.5, p, Why.READ)
 
 
 def _regions(kinds: Kinds, names: Names) -> list[tuple[str, Names]]:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from pix2pred.vlm.distilled.files import CardDoc
-from pix2pred.vlm.distilled.model import DistilledModel, Reading, Why
+from pix2pred.vlm.distilled.model import AtomReading, DistilledModel, Why
 from pix2pred.vlm.distilled.question import LABELLING
 from pix2pred.vlm.offline.label_question import LabelQuestion
 from pix2pred.vlm.offline.prompt_format import (
@@ -68,7 +68,7 @@ class DistilledReader:
                 return written(text, [Line(value_line(atom, None, again)) for atom in asked_atoms(text)])
         raise VLMError(f"{self.name}: reads labels, and cannot answer a {request.purpose} question; name another model")
 
-    def readings(self, question: LabelQuestion) -> dict[int, dict[AskedAtom, Reading]]:
+    def readings(self, question: LabelQuestion) -> dict[int, dict[AskedAtom, AtomReading]]:
         """What is read of every atom in every state that is shown."""
         pairs = [(atom.word, atom.names) for atom in question.atoms]
         return {
@@ -77,7 +77,7 @@ class DistilledReader:
         }
 
     def lines(
-        self, purpose: Purpose, question: LabelQuestion, readings: Mapping[int, Mapping[AskedAtom, Reading]]
+        self, purpose: Purpose, question: LabelQuestion, readings: Mapping[int, Mapping[AskedAtom, AtomReading]]
     ) -> list[Line]:
         """The lines of an answer about all atoms; what no picture shows keeps its value."""
         if purpose == Purpose.HISTORY:
@@ -90,7 +90,7 @@ class DistilledReader:
 
 
 def _values(
-    atom: AskedAtom, question: LabelQuestion, readings: Mapping[int, Mapping[AskedAtom, Reading]]
+    atom: AskedAtom, question: LabelQuestion, readings: Mapping[int, Mapping[AskedAtom, AtomReading]]
 ) -> Iterator[tuple[int, bool | None]]:
     said = question.before.get(str(atom))
     for number, of_state in readings.items():
@@ -99,7 +99,7 @@ def _values(
         yield number, said
 
 
-def label_line(atom: AskedAtom, reading: Reading, before: bool | None) -> Line:
+def label_line(atom: AskedAtom, reading: AtomReading, before: bool | None) -> Line:
     """The line about one atom of one state."""
     if reading.why == Why.UNSEEN:
         return Line(value_line(atom, before, "No picture shows it; value as before."))

@@ -14,7 +14,7 @@ import numpy as np
 import PIL.Image
 
 from pix2pred.structs import Box, Picture
-from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Change, Shown, see
+from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Augmentation, PicturePyramid, see
 from pix2pred.vlm.offline.label_question import Look
 from pix2pred.vlm.offline.pixels import is_blank
 
@@ -37,11 +37,11 @@ class PictureSeen:
 
     look: Look
     picture: Picture
-    shown: Shown = field(init=False)
+    shown: PicturePyramid = field(init=False)
     _blank: dict[str, bool] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.shown = Shown([PIL.Image.fromarray(self.picture.image.pixels())])
+        self.shown = PicturePyramid([PIL.Image.fromarray(self.picture.image.pixels())])
 
     def kinds(self, names: Sequence[str]) -> Kinds | None:
         """The kinds of the objects; ``None`` when one of them has no box here but has one elsewhere."""
@@ -73,7 +73,7 @@ class PictureSeen:
         """The whole picture."""
         return Box(0.0, 0.0, *map(float, self.shown.size))
 
-    def vectors(self, regions: Sequence[tuple[str, ...]], change: Change = UNCHANGED) -> Array:
+    def vectors(self, regions: Sequence[tuple[str, ...]], change: Augmentation = UNCHANGED) -> Array:
         """One vector for each region, given as the names of the objects in it; none for the whole picture."""
         return see(self.shown, [self._region(names) for names in regions], [change] * len(regions))
 

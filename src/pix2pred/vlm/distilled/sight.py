@@ -41,7 +41,7 @@ LENGTH = sum(PARTS.values())
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class Augmentation:
     """A change of a picture that keeps what it shows.
 
     ``dx`` and ``dy`` shift the box by a share of its side, ``scale`` makes it larger; ``brightness`` is added to all
@@ -57,7 +57,7 @@ class Change:
     contrast: float = 1.0
 
 
-UNCHANGED = Change()
+UNCHANGED = Augmentation()
 
 
 def split(vectors: Array) -> dict[str, Array]:
@@ -66,7 +66,7 @@ def split(vectors: Array) -> dict[str, Array]:
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class PicturePyramid:
     """A picture, and coarser copies of it, each of half the size of the one before, made when they are needed."""
 
     copies: list[PIL.Image.Image]
@@ -98,7 +98,7 @@ class Shown:
         return part
 
 
-def see(picture: Shown, boxes: Sequence[Box], changes: Sequence[Change]) -> Array:
+def see(picture: PicturePyramid, boxes: Sequence[Box], changes: Sequence[Augmentation]) -> Array:
     """One vector of ``LENGTH`` numbers for each box, seen through the change beside it."""
     if not boxes:
         return np.zeros((0, LENGTH), dtype=np.float32)
@@ -115,7 +115,7 @@ def see(picture: Shown, boxes: Sequence[Box], changes: Sequence[Change]) -> Arra
     return np.concatenate([part.reshape(len(boxes), -1) for part in flat], axis=1, dtype=np.float32)
 
 
-def _moved(box: Box, change: Change) -> Box:
+def _moved(box: Box, change: Augmentation) -> Box:
     side = max(box.width, box.height)
     x, y = box.center[0] + change.dx * side, box.center[1] + change.dy * side
     width, height = box.width * change.scale / 2, box.height * change.scale / 2

@@ -13,10 +13,18 @@ from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm.distilled.codes import RegionCode
 from pix2pred.vlm.distilled.fitting.components import region_code, spreads_in_kernel
 from pix2pred.vlm.distilled.fitting.lesson import FitSettings, Lesson, LessonError
-from pix2pred.vlm.distilled.fitting.rows import Row, RowsOfKinds, Seen, folds_of, rows_by_kinds, see_rows, thinned
+from pix2pred.vlm.distilled.fitting.rows import (
+    RowsOfKinds,
+    SeenRegions,
+    ShownObjects,
+    folds_of,
+    rows_by_kinds,
+    see_rows,
+    thinned,
+)
 from pix2pred.vlm.distilled.fitting.teaching import Ints, TaughtWord, WordRows, teach
 from pix2pred.vlm.distilled.machine import Compared, Layout, Rows
-from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, Taught
+from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, WordReader
 from pix2pred.vlm.distilled.regions import Kinds, kinds_of_regions
 from pix2pred.vlm.distilled.sight import Array
 
@@ -109,7 +117,7 @@ def _fit(lesson: Lesson, settings: FitSettings, progress: Progress) -> Fitted:
         }
         kinds_models[kinds] = KindsModel(
             model.rows, model.relation, model.nearest,
-            {word: Taught(t.machine, t.calibration) for word, t in taught.items()},
+            {word: WordReader(t.machine, t.calibration) for word, t in taught.items()},
         )  # fmt: skip
         results += [_result(word, kinds, t, _by_unit(group, strange), bars) for word, t in taught.items()]
     progress(Stage.DISTIL, count, count, "")
@@ -123,7 +131,7 @@ def _teachable(
     kept: dict[Kinds, RowsOfKinds] = {}
     untaught = []
     for kinds, group in found.items():
-        labels: defaultdict[str, dict[Row, tuple[bool, float]]] = defaultdict(dict)
+        labels: defaultdict[str, dict[ShownObjects, tuple[bool, float]]] = defaultdict(dict)
         for word, by_row in sorted(group.labels.items()):
             reason = _lacking(lesson, by_row, settings)
             if reason:
@@ -136,7 +144,7 @@ def _teachable(
     return kept, untaught
 
 
-def _lacking(lesson: Lesson, labels: Mapping[Row, tuple[bool, float]], settings: FitSettings) -> str:
+def _lacking(lesson: Lesson, labels: Mapping[ShownObjects, tuple[bool, float]], settings: FitSettings) -> str:
     """What a word lacks; empty when it can be taught."""
     for value in (True, False):
         groups = Counter(lesson.groups[row.look] for row, (label, _) in labels.items() if label == value)
@@ -148,7 +156,9 @@ def _lacking(lesson: Lesson, labels: Mapping[Row, tuple[bool, float]], settings:
     return ""
 
 
-def _kinds_model(kinds: Kinds, seen: Seen, regions: Mapping[str, RegionCode], folds: Ints) -> tuple[KindsModel, Array]:
+def _kinds_model(
+    kinds: Kinds, seen: SeenRegions, regions: Mapping[str, RegionCode], folds: Ints
+) -> tuple[KindsModel, Array]:
     """Codes of all rows, copies after originals, and how strange each original is when its fold is left out."""
     places, relations = seen.places[kinds], seen.relations[kinds]
     copies, count = places.shape[:2]
@@ -191,7 +201,7 @@ def _nearest(layout: Layout, rows: Array, folds: Ints, copies: int) -> Array:
     return nearest
 
 
-def _weighed(lesson: Lesson, group: RowsOfKinds, word: str) -> dict[Row, tuple[bool, float]]:
+def _weighed(lesson: Lesson, group: RowsOfKinds, word: str) -> dict[ShownObjects, tuple[bool, float]]:
     """The labels of a word; those that tell the same of the same objects in one demonstration count less each."""
     labels = group.labels[word]
     looks: defaultdict[tuple[str, tuple[str, ...], bool], set[int]] = defaultdict(set)
@@ -204,7 +214,11 @@ def _weighed(lesson: Lesson, group: RowsOfKinds, word: str) -> dict[Row, tuple[b
 
 
 def _teach(
-    model: KindsModel, group: RowsOfKinds, labels: Mapping[Row, tuple[bool, float]], folds: Ints, settings: FitSettings
+    model: KindsModel,
+    group: RowsOfKinds,
+    labels: Mapping[ShownObjects, tuple[bool, float]],
+    folds: Ints,
+    settings: FitSettings,
 ) -> TaughtWord:
     rows = list(group.rows)
     indices = np.array([i for i, row in enumerate(rows) if row in labels])
@@ -223,7 +237,7 @@ def _teach(
     return teach(model.rows, mine, np.random.default_rng([settings.seed, 2]))
 
 
-def _units(rows: Sequence[Row]) -> dict[tuple[int, tuple[str, ...]], int]:
+def _units(rows: Sequence[ShownObjects]) -> dict[tuple[int, tuple[str, ...]], int]:
     units: dict[tuple[int, tuple[str, ...]], int] = {}
     for row in rows:
         units.setdefault((row.look, row.names), len(units))

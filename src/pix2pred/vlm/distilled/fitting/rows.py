@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pix2pred.vlm.distilled.fitting.lesson import FitSettings, Lesson
 from pix2pred.vlm.distilled.regions import Kinds, Names, PictureSeen, kinds_of_regions, regions_of
-from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Change
+from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Augmentation
 
 MOVED, SCALED, BRIGHTER, CONTRASTED = 0.03, 0.05, 0.04, 0.06
 """Deviations of the changes: shares of the box's side, and of the range of brightness. Nothing is mirrored or turned:
@@ -24,7 +24,7 @@ _NOTHING: Array = np.zeros(0, dtype=np.float32)
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ShownObjects:
     """Objects in one picture of a look.
 
     ``look`` and ``picture`` are numbers.
@@ -39,12 +39,12 @@ class Row:
 class RowsOfKinds:
     """The rows of one kind of objects, and the labels of every word there, with their weights."""
 
-    rows: dict[Row, None] = field(default_factory=dict)
-    labels: defaultdict[str, dict[Row, tuple[bool, float]]] = field(default_factory=lambda: defaultdict(dict))
+    rows: dict[ShownObjects, None] = field(default_factory=dict)
+    labels: defaultdict[str, dict[ShownObjects, tuple[bool, float]]] = field(default_factory=lambda: defaultdict(dict))
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class SeenRegions:
     """What was seen: vectors by kind of region, the group of each, and where the regions of every row are.
 
     ``places[kinds][c][r][i]`` is the index, among the vectors of the i-th kind of region, of copy ``c`` of row ``r``.
@@ -71,7 +71,7 @@ def rows_by_kinds(lesson: Lesson) -> dict[Kinds, RowsOfKinds]:
                 kinds = seen.kinds(example.names)
                 if kinds is None or not seen.shows(example.names):
                     continue
-                row, group = Row(number, p, example.names), found[kinds]
+                row, group = ShownObjects(number, p, example.names), found[kinds]
                 group.rows.setdefault(row)
                 group.labels[example.word][row] = (example.label, example.weight)
     return dict(sorted(found.items()))
@@ -91,7 +91,7 @@ def thinned(found: dict[Kinds, RowsOfKinds], settings: FitSettings) -> dict[Kind
 def _thinned(group: RowsOfKinds, most: int, rng: np.random.Generator) -> RowsOfKinds:
     if len(group.rows) <= most:
         return group
-    rare = set[Row]()
+    rare = set[ShownObjects]()
     for labels in group.labels.values():
         counts = Counter(label for label, _ in labels.values())
         value = counts[True] <= counts[False]
@@ -101,13 +101,13 @@ def _thinned(group: RowsOfKinds, most: int, rng: np.random.Generator) -> RowsOfK
     first = [row for row in order if row in rare][: most // 2]
     chosen = set(first)
     chosen |= set([row for row in order if row not in chosen][: most - len(first)])
-    thin: defaultdict[str, dict[Row, tuple[bool, float]]] = defaultdict(dict)
+    thin: defaultdict[str, dict[ShownObjects, tuple[bool, float]]] = defaultdict(dict)
     for word, by_row in group.labels.items():
         thin[word] = {row: value for row, value in by_row.items() if row in chosen}
     return RowsOfKinds(dict.fromkeys(row for row in rows if row in chosen), thin)
 
 
-def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSettings) -> Seen:
+def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSettings) -> SeenRegions:
     """Look at all rows, as they are and through changes that keep what they show."""
     copies = 1 + settings.copies
     wanted: defaultdict[tuple[int, int], list[tuple[Kinds, int]]] = defaultdict(list)
@@ -145,7 +145,7 @@ def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSetti
             for kinds, r in members:
                 parts = zip(kinds_of_regions(kinds), regions_of(rows[kinds][r].names), strict=True)
                 places[kinds][c, r] = [index[part] for part in parts]
-    return Seen(
+    return SeenRegions(
         {kind: np.stack(rows) for kind, rows in sorted(vectors.items())},
         {kind: np.array(numbers) for kind, numbers in sorted(groups.items())},
         places,
@@ -153,10 +153,10 @@ def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSetti
     )
 
 
-def drawn(rng: np.random.Generator) -> Change:
+def drawn(rng: np.random.Generator) -> Augmentation:
     """A change drawn by chance."""
     dx, dy, scale, brightness, contrast = rng.normal(size=5)
-    return Change(MOVED * dx, MOVED * dy, 1 + SCALED * scale, BRIGHTER * brightness, 1 + CONTRASTED * contrast)
+    return Augmentation(MOVED * dx, MOVED * dy, 1 + SCALED * scale, BRIGHTER * brightness, 1 + CONTRASTED * contrast)
 
 
 def folds_of(groups: Sequence[str], most: int) -> dict[str, int]:
