@@ -13,7 +13,7 @@ from pix2pred.domains.home.episode import HomeEnvironment
 from pix2pred.domains.home.world import World
 from pix2pred.execution.episode import open_loop
 from pix2pred.execution.parameters import Parameters
-from pix2pred.planning import AStar, Planner
+from pix2pred.planning import AStar, Planner, Search
 from pix2pred.predicates import ground_atoms
 from pix2pred.structs import (
     Atom,
@@ -93,12 +93,20 @@ def _holds(domain: HomeDomain, world: World, atom: Atom, predicates: Mapping[Pre
 
 
 def planned_and_run(
-    domain: HomeDomain, start: Start, model: Sequence[Operator], predicates: Mapping[Predicate, str], value: ValueOf
+    domain: HomeDomain,
+    start: Start,
+    model: Sequence[Operator],
+    predicates: Mapping[Predicate, str],
+    value: ValueOf,
+    search: Search | None = None,
 ) -> int:
-    """The number of steps of a shortest plan from perfect labels; fails when there is none or it misses the goal."""
+    """The number of steps of a plan from perfect labels, a shortest one unless another search is given.
+
+    Fails when there is none or it misses the goal.
+    """
     objects, atoms = true_atoms(domain, start.world, predicates, value)
     goal = domain.goal_of(start)
-    found = Planner(AStar()).plan(model, objects, atoms, goal)
+    found = Planner(search or AStar()).plan(model, objects, atoms, goal)
     assert found.status == PlanStatus.SOLVED
     episode = HomeEnvironment(domain.rules, start.world, goal)
     outcome = open_loop(found.plan, episode, Parameters({}, np.random.default_rng(0)))

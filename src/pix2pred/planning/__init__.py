@@ -13,6 +13,7 @@ from pix2pred.planning.search.batches.lazy_batches import LazyBatches
 from pix2pred.planning.search.bounded import Bounded
 from pix2pred.planning.search.greedy import GreedyBestFirst
 from pix2pred.planning.search.lazy import LazyGreedy
+from pix2pred.planning.search.one_by_one import OneByOne
 from pix2pred.planning.search.polished import Polished
 from pix2pred.planning.search.portfolio import Portfolio
 from pix2pred.planning.search.relaxed import FollowRelaxed
@@ -36,6 +37,7 @@ __all__ = [
     "LMCut",
     "LazyBatches",
     "LazyGreedy",
+    "OneByOne",
     "Planner",
     "Polished",
     "Portfolio",

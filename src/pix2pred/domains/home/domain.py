@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pix2pred.domains import scripted
+from pix2pred.domains.home.appearance import described
 from pix2pred.domains.home.episode import HomeEnvironment, Rules
 from pix2pred.domains.home.roaming import RoamingHome
 from pix2pred.domains.home.roaming.hand import Machine, no_machine
@@ -116,12 +117,13 @@ class HomeDomain:
 
     def demonstration_world(self, seed: int, index: int) -> World:
         """Where a demonstration starts, without looking at it."""
-        return self.recipes[index].start(scene_generator(seed, Split.DEMONSTRATIONS, 0, index))
+        return described(self.recipes[index].start(scene_generator(seed, Split.DEMONSTRATIONS, 0, index)))
 
     def start(self, family: str, seed: int, index: int) -> Start:
         """Where a test task starts, without looking at it."""
         self._check(family)
-        return self._starts[family](index, scene_generator(seed, Split.TASKS, self.families.index(family), index))
+        start = self._starts[family](index, scene_generator(seed, Split.TASKS, self.families.index(family), index))
+        return replace(start, world=described(start.world))
 
     def tasks(self, family: str, seed: int, count: int = 10) -> Sequence[SimulatedTask]:
         """``count`` test tasks, seen through the robot's cameras."""

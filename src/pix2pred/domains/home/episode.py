@@ -44,8 +44,9 @@ class Rules:
         self._classifiers = {p.name: c for p, c in given.items()}
 
     def objects(self, world: World) -> tuple[Object, ...]:
-        """All objects of ``world``, sorted; the name with spaces is the descriptor."""
-        return tuple(sorted(Object(n, self.types[t], n.replace("_", " ")) for n, t in world.types().items()))
+        """All objects of ``world``, sorted; descriptors say what one sees of them."""
+        phrases = world.phrases()
+        return tuple(sorted(Object(n, self.types[t], phrases[n]) for n, t in world.types().items()))
 
     def holds(self, world: World, atom: Atom) -> bool:
         """Whether a given atom is true. Raises ``ValueError`` for a predicate of another domain."""

@@ -38,7 +38,8 @@ class Thing:
     """An object of a scene. ``kind`` says what it looks like, ``look`` seeds its colours and size.
 
     The rest matters for some kinds: ``strokes`` of marker left on a table, ``contents`` and ``amount`` (share) of a
-    container, ``opened`` lid, ``powered`` machine, ``squeezed`` fruit.
+    container, ``opened`` lid, ``powered`` machine, ``squeezed`` fruit. ``seen_as`` is the phrase that picks it out in
+    pictures.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Thing:
     opened: bool = True
     powered: bool = True
     squeezed: bool = False
+    seen_as: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +94,11 @@ class World:
     def types(self) -> dict[str, str]:
         """Type names of all objects by name."""
         return {self.actor: "robot"} | {t.name: t.type for t in self.things if t.type != SCENERY}
+
+    def phrases(self) -> dict[str, str]:
+        """What every object is called where pictures are talked about: its phrase, else its name."""
+        said = {t.name: t.seen_as for t in self.things}
+        return {name: said.get(name) or name.replace("_", " ") for name in self.types()}
 
     def to_dict(self) -> dict[str, Any]:
         """A JSON-compatible description; ``from_dict`` reads it back."""
@@ -133,6 +140,7 @@ def _thing(data: Mapping[str, Any]) -> Thing:
         bool(data["opened"]),
         bool(data["powered"]),
         bool(data["squeezed"]),
+        str(data.get("seen_as", "")),  # worlds of older versions have none
     )
 
 

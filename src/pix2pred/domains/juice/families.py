@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pix2pred.domains.home.domain import Recipe, Start, StartMaker
-from pix2pred.domains.home.places import Region
 from pix2pred.domains.home.world import Body, World
-from pix2pred.domains.juice.party import PartyCup, PartyJuicer, lay_out
+from pix2pred.domains.juice.party import BANQUET, PartyCup, PartyJuicer, lay_out
 from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 
 Rng = np.random.Generator
@@ -135,26 +134,29 @@ def _full_juice_cup(index: int, rng: Rng) -> Start:
     return _task(Plan(cups, (fruit,)), fruit, "office", rng)
 
 
-def _party(index: int, rng: Rng) -> Start:
-    """Five juices at five juicers into five cups: one fruit lies outside, and one cup is full of something else.
+FULL_AT_FIRST = 3
+"""Cups of a party that hold something else at first."""
 
-    What the printed operators do not know must not matter. A machine juices all that is in its hopper: one whose fruit
-    lies outside has its cup in place already, so that no other machine is nearer. A cup leaves its region when it is
-    taken: those that stand in one are empty and stay there, a full one stands in none. The cups for the waste are not
-    tinted: from the side, far from the camera, a yellow tumbler looks as if juice were in it.
+
+def _party(index: int, rng: Rng) -> Start:
+    """Five juices at five open juicers, all fruit outside; one cup for the waste is shared, and is empty at the end.
+
+    For each juice the fruit is put in and the lid closed, both cups are brought and the machine is run; the cup for
+    the waste is emptied before and after, and three of those for the juice once, each time into another bowl. The
+    printed operators can need ten skills a juice and no more. Nothing stands in a region at first: that a cup leaves
+    its region is not known to them.
     """
     fruits = [str(k) for k in rng.permutation((*DEMONSTRATED_FRUITS, *NEW_FRUITS))]
-    places = [int(k) for k in rng.permutation(len(fruits))]
-    machines, vessels = [], [PartyCup("bowl", "bowl")]
-    for k, (fruit, place) in enumerate(zip(fruits, places, strict=True)):
-        out, filled = k == 0, k == 1
-        machines.append(PartyJuicer(None if out else fruit, opened=out, place=place))
-        kind = _pick(WASTE_CUPS if filled else ("glass", "mug"), rng)
-        drink = (_pick(DRINKS, rng),) if filled else ()
-        vessels.append(PartyCup(f"{fruit}_cup", kind, drink, (k, Region.JUICE) if out else None))
-        vessels.append(PartyCup(f"waste_cup{k + 1}", "plastic_cup", under=(k, Region.WASTE)))
-    world = lay_out(machines, vessels, fruits[:1], "office", rng)
-    return Start(world, tuple(f"JuiceInCup({f}, {f}_cup)" for f in fruits))
+    machines = [PartyJuicer(opened=True, place=int(k)) for k in rng.permutation(len(fruits))]
+    vessels = [PartyCup("waste_cup", "plastic_cup", (_pick(DRINKS, rng),))]
+    for k, fruit in enumerate(fruits):
+        full = k < FULL_AT_FIRST
+        kind = _pick(WASTE_CUPS if full else ("glass", "mug"), rng)
+        vessels.append(PartyCup(f"{fruit}_cup", kind, (_pick(DRINKS, rng),) if full else ()))
+    bowls = len(fruits) + 1 + FULL_AT_FIRST
+    vessels += [PartyCup(f"bowl{k + 1}", "bowl") for k in range(bowls)]
+    world = lay_out(machines, vessels, fruits, "office", rng, BANQUET)
+    return Start(world, (*(f"JuiceInCup({f}, {f}_cup)" for f in fruits), "Empty(waste_cup)"))
 
 
 FAMILIES: Mapping[str, StartMaker] = {

@@ -48,29 +48,67 @@ class PartyCup:
     under: tuple[int, Region] | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Board:
+    """What everything stands on: its kind, its middle, and where vessels and fruit stand that are under no valve.
+
+    ``bowls`` and ``fruits`` have places of their own, where there are any.
+    """
+
+    kind: str
+    middle: float
+    free: Sequence[tuple[float, float]]
+    bowls: Sequence[tuple[float, float]] = ()
+    fruits: Sequence[tuple[float, float]] = ()
+
+
+BUFFET = Board("buffet", 1.21, FREE_PLACES)
+BANQUET = Board(
+    "banquet",
+    1.07,
+    free=((0.80, 0.24), (0.80, -0.24), (0.80, 0.46), (0.80, -0.46), *FREE_PLACES[6:]),
+    bowls=(*((0.54, 0.24 * k) for k in range(-3, 4)), *FREE_PLACES[4:6]),
+    fruits=((0.68, 0.12), (0.68, -0.12), (0.68, 0.36), (0.68, -0.36), (0.68, 0.60), (0.68, -0.60)),
+)
+"""A deeper one, with room for a row of bowls and for fruit before the juicers."""
+
+
 def lay_out(
-    machines: Sequence[PartyJuicer], vessels: Sequence[PartyCup], fruits: Sequence[str], style: str, rng: Rng
+    machines: Sequence[PartyJuicer],
+    vessels: Sequence[PartyCup],
+    fruits: Sequence[str],
+    style: str,
+    rng: Rng,
+    board: Board = BUFFET,
 ) -> World:
-    """The robot before a buffet with these machines, vessels and fruits, everything else drawn from ``rng``."""
-    buffet = Thing("buffet", SCENERY, "buffet", look(rng), (1.21, 0.0, 0.0))
-    top = table_size(buffet).height
+    """The robot before a board with these machines, vessels and fruits, everything else drawn from ``rng``."""
+    table = Thing("buffet", SCENERY, board.kind, look(rng), (board.middle, 0.0, 0.0))
+    top = table_size(table).height
     shell = look(rng)
     juicers = [
         Thing(f"juicer{k + 1}", "juicer", "juicer", shell, (*JUICER_PLACES[m.place], top), opened=m.opened)
         for k, m in enumerate(machines)
     ]
-    things = [buffet, *juicers]
+    things = [table, *juicers]
     for juicer, machine in zip(juicers, machines, strict=True):
         things += [fruit_in(juicer, machine.inside, 0, rng)] if machine.inside else []
         things += [squeezed_at(juicer, machine.squeezed, 0, rng)] if machine.squeezed else []
-    free = [FREE_PLACES[i] for i in rng.permutation(len(FREE_PLACES))]
+    free = _shuffled(board.free, rng)
+    for_bowls, for_fruits = (_shuffled(own, rng) if own else free for own in (board.bowls, board.fruits))
     for vessel in vessels:
-        x, y, z = region_middle(juicers[vessel.under[0]], vessel.under[1]) if vessel.under else (*free.pop(), top)
-        things.append(cup_at(vessel.name, vessel.kind, vessel.contents, (_near(x, rng), _near(y, rng), z), rng))
+        if vessel.under:
+            x, y, _ = region_middle(juicers[vessel.under[0]], vessel.under[1])
+        else:
+            x, y = (for_bowls if vessel.kind == "bowl" and for_bowls else free).pop()
+        things.append(cup_at(vessel.name, vessel.kind, vessel.contents, (_near(x, rng), _near(y, rng), top), rng))
     for name in fruits:
-        made, (x, y) = Thing(name, "movable_object", name, look(rng)), free.pop()
+        made, (x, y) = Thing(name, "movable_object", name, look(rng)), for_fruits.pop()
         things.append(replace(made, at=(_near(x, rng), _near(y, rng), top + rise_of(made) + 0.003)))
     return settled(World(tuple(things), Body.ROBOT, look(rng), style), 0.8)
+
+
+def _shuffled(places: Sequence[tuple[float, float]], rng: Rng) -> list[tuple[float, float]]:
+    return [places[i] for i in rng.permutation(len(places))]
 
 
 def _near(value: float, rng: Rng) -> float:

@@ -34,7 +34,11 @@ class TableSize:
     height: float
 
 
-_SIZES = {"counter": TableSize(0.36, 0.66, 0.62), "buffet": TableSize(0.51, 1.08, 0.42)}
+_SIZES = {
+    "counter": TableSize(0.36, 0.66, 0.62),
+    "buffet": TableSize(0.51, 1.08, 0.42),
+    "banquet": TableSize(0.65, 1.08, 0.42),
+}
 TOPS = ("table", *_SIZES)
 """Kinds of things that have a top to put something on."""
 

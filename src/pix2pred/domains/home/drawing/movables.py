@@ -21,6 +21,10 @@ BRIGHT: Sequence[Colour] = (
 )  # fmt: skip
 
 
+BRIGHT_NAMES = ("red", "blue", "yellow", "green", "orange", "purple", "turquoise")
+"""What a person calls them."""
+
+
 @dataclass(frozen=True, slots=True)
 class MovableKind:
     """How a kind of thing is made, how high its middle lies above what it rests on, and how far it reaches.
@@ -34,9 +38,14 @@ class MovableKind:
     shade: float = 0.9
 
 
+def bright_number(rng: Rng) -> int:
+    """Which of the bright colours a toy has; the first thing that is drawn from its look."""
+    return int(rng.integers(len(BRIGHT)))
+
+
 def bright(rng: Rng) -> Colour:
     """A toy's colour."""
-    colour = np.array(BRIGHT[int(rng.integers(len(BRIGHT)))]) + rng.uniform(-0.05, 0.05, 3)
+    colour = np.array(BRIGHT[bright_number(rng)]) + rng.uniform(-0.05, 0.05, 3)
     return tuple(float(c) for c in np.clip(colour, 0, 1))
 
 

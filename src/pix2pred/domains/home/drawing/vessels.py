@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pix2pred.domains.home.drawing.maker import Maker
-from pix2pred.domains.home.drawing.movables import FRUIT_COLOUR, bright
+from pix2pred.domains.home.drawing.movables import BRIGHT_NAMES, FRUIT_COLOUR, bright, bright_number
 from pix2pred.domains.home.world import Thing
 
 Colour = tuple[float, ...]
@@ -52,20 +52,42 @@ def liquid_colours(contents: Sequence[str]) -> list[Colour]:
     return [DRINKS.get(c) or FRUIT_COLOUR[c] for c in contents[:MOST_LIQUIDS]]
 
 
+@dataclass(frozen=True, slots=True)
+class NamedColour:
+    """A colour and what a person calls it; a clear glass has none."""
+
+    name: str
+    colour: Colour
+
+
+_MUGS = (
+    NamedColour("white", (0.93, 0.92, 0.88)), NamedColour("dark grey", (0.30, 0.36, 0.42)),
+    NamedColour("pale green", (0.62, 0.72, 0.66)), NamedColour("beige", (0.80, 0.70, 0.60)),
+)  # fmt: skip
+_BOWLS = (
+    NamedColour("white", (0.94, 0.94, 0.92)), NamedColour("pale blue", (0.55, 0.66, 0.76)),
+    NamedColour("beige", (0.80, 0.72, 0.60)),
+)  # fmt: skip
+
+
+def vessel_colour(thing: Thing) -> NamedColour:
+    """The colour of a vessel's outside."""
+    rng = np.random.default_rng(thing.look)
+    name = BRIGHT_NAMES[bright_number(np.random.default_rng(thing.look))]
+    colour = bright(rng)
+    if thing.kind == "glass":
+        return NamedColour("", (0.86, 0.93, 0.97))
+    if thing.kind == "tumbler":
+        return NamedColour(name, tuple(0.2 + 0.8 * c for c in colour))
+    own = {"mug": _MUGS, "bowl": _BOWLS}.get(thing.kind)
+    return own[int(rng.integers(len(own)))] if own else NamedColour(name, colour)
+
+
 def make_vessel(maker: Maker, body: Any, thing: Thing) -> None:
     """A turned wall, and a column of liquid that is sized later."""
     v = VESSELS[thing.kind]
-    rng = np.random.default_rng(thing.look)
     name = thing.name
-    colour: Colour = bright(rng)
-    if thing.kind == "glass":
-        colour = (0.86, 0.93, 0.97)
-    elif thing.kind == "tumbler":
-        colour = tuple(0.2 + 0.8 * c for c in colour)
-    elif thing.kind == "mug":
-        colour = ((0.93, 0.92, 0.88), (0.30, 0.36, 0.42), (0.62, 0.72, 0.66), (0.80, 0.70, 0.60))[int(rng.integers(4))]
-    elif thing.kind == "bowl":
-        colour = ((0.94, 0.94, 0.92), (0.55, 0.66, 0.76), (0.80, 0.72, 0.60))[int(rng.integers(3))]
+    colour = vessel_colour(thing).colour
     wall = 0.003
     maker.drum(f"{name}/liquid", 0.01, 0.01, (0, 0, 0.02), (0.5, 0.5, 0.5), body=body)
     for k in range(MOST_LIQUIDS):

@@ -1,0 +1,82 @@
+"""Planning for one goal after the other: from where the plan for the goals before has led, the nearest open one next.
+
+Goals that do not hinder each other are reached by plans that are as short as each of them allows, where one search for
+all at once wanders. Sources of the idea: Koehler and Hoffmann, "On reasonable and forced goal orderings and their use
+in an agenda-driven planning algorithm", 2000; Lipovetzky and Geffner, "Width and serialization of classical planning
+problems", 2012.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from pix2pred.planning.heuristics.ff import FF
+from pix2pred.planning.heuristics.heuristic import Heuristic
+from pix2pred.planning.heuristics.lmcut_costs import landmark_cut
+from pix2pred.planning.search.astar import AStar
+from pix2pred.planning.search.search import SearchResult
+from pix2pred.planning.strips import Strips, bits
+from pix2pred.structs import PlanStatus
+
+
+class _LeadingOn(Heuristic):
+    """The estimate for some goals; a state from which not all goals can be reached is a dead end."""
+
+    def __init__(self, task: Strips, everything: Heuristic) -> None:
+        self._estimate, self._everything = landmark_cut(task), everything
+
+    def __call__(self, state: int) -> int | None:
+        return None if self._everything(state) is None else self._estimate(state)
+
+
+@dataclass(frozen=True, slots=True)
+class OneByOne:
+    """A* for the goals one by one, those reached before kept; the status is BUDGET where that does not work.
+
+    For tasks whose relaxed plan has ``least_steps`` and more, for which A* alone has too few nodes. The goal whose
+    relaxed plan is shortest comes next; it gets ``each`` nodes, or fewer where nodes times operators would be more than
+    ``visits``. States that are alike up to names of interchangeable objects are looked at once after
+    ``symmetries_after`` nodes.
+    """
+
+    least_steps: int = 31
+    each: int = 2_000
+    visits: int = 2_000_000
+    symmetries_after: int = 50
+
+    def __call__(self, task: Strips) -> SearchResult:
+        """Plan for the goals of ``task`` in turn."""
+        if type(task) is not Strips or task.costs:  # what a part needs is not known, or the cheapest plan is wanted
+            return SearchResult(PlanStatus.BUDGET, (), 0)
+        everything = FF(task)
+        estimate = everything(task.initial)
+        if estimate is None:
+            return SearchResult(PlanStatus.UNSOLVABLE, (), 1)
+        near = {1 << fact: FF(replace(task, goal=1 << fact)) for fact in bits(task.goal)}
+        state, reached, nodes = task.initial, 0, 0
+        plan: list[int] = []
+        while near and estimate >= self.least_steps:
+            goal = min(near, key=lambda g: (far if (far := near[g](state)) is not None else task.facts, g))
+            del near[goal]
+            reached |= goal
+            part = replace(task, initial=state, goal=reached)
+            found, state = self._reached(task, part, landmark_cut)
+            if everything(state) is None:
+                found, state = self._reached(task, part, lambda t: _LeadingOn(t, everything))
+            nodes += found.nodes
+            plan += found.plan
+            if found.status != PlanStatus.SOLVED:
+                return SearchResult(PlanStatus.BUDGET, (), nodes)
+        return SearchResult(PlanStatus.BUDGET if near else PlanStatus.SOLVED, tuple(plan), nodes)
+
+    def _reached(
+        self, task: Strips, part: Strips, heuristic: Callable[[Strips], Heuristic]
+    ) -> tuple[SearchResult, int]:
+        """A plan for the goals so far, and the state that it leads to."""
+        nodes = min(self.each, self.visits // max(1, len(task.pre)))
+        found = AStar(heuristic, nodes, self.symmetries_after)(part)
+        state = part.initial
+        for k in found.plan:
+            state = task.successor(state, k)
+        return found, state
