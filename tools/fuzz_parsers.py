@@ -27,6 +27,7 @@ from pix2pred.approaches.parse_code import parse_code
 from pix2pred.approaches.parse_plan import NoPlanError, parse_plan
 from pix2pred.predicates.labelling.parse_labels import ALL_WORDS, parse_labels
 from pix2pred.predicates.labelling.structured import as_text
+from pix2pred.predicates.labelling.written_forms import as_lines, without_markup
 from pix2pred.predicates.proposing.parse_atoms import kept
 from pix2pred.predicates.proposing.propose import ProposalSettings, read_proposal
 from pix2pred.structs import Demo, Object, Skill, State, Type
@@ -54,6 +55,14 @@ STRUCTURED = (
                 "values": [{"atom": a, "explanation": "x", "value": "True"} for a in QUERY]}),
     json.dumps({"values": [{"atom": a, "value": "Unknown"} for a in QUERY], "more": [None, 1.5, {"x": []}]}, indent=1),
 )  # fmt: skip
+FORMS = (
+    "<table>" + "".join(f"<tr><td>{atom}</td><td>True</td></tr>" for atom in QUERY) + "</table>",
+    "\n".join(f"- [{'x '[i % 2]}] {atom}" for i, atom in enumerate(QUERY)),
+    "atom,why,value\n" + "\n".join(f'"{atom}","it, so",False' for atom in QUERY),
+    "\n".join(f"- atom: {atom}\n  why: so\n  value: true" for atom in QUERY),
+    "True:\n" + "\n".join(QUERY[:2]) + "\nFalse: " + ", ".join(QUERY[2:]),
+    "\n".join(f"{atom}: $\\boxed{{\\text{{True}}}}$" for atom in QUERY),
+)
 PROPOSALS = (
     "## Pick\nBefore: on(patty1, grill)\nAfter: held(patty1), `in_air(patty1)`\nSynonyms: lifted(patty1)\n"
     "Antonyms: resting\\_on(patty1, grill)\nIn general: on(x, y): atop(x, y) e.g. (see above)",
@@ -114,13 +123,18 @@ def check_labels(text: str) -> None:
     raw = kept(text) if parsed.values else []
     for atom, value in parsed.values.items():
         begin = bisect_left(raw, parsed.places[atom])
-        words = [word for word, label in ALL_WORDS.items() if label == value]
+        words = list(ALL_WORDS)  # a denied atom has the opposite of the word that stands there
         said = ("".join(text[i] for i in raw[begin : begin + len(word)]).lower() for word in words)
-        assert any(map(eq, said, words)), f"{atom}: {value.word} is not where it was said to be"
+        assert any(map(eq, said, words)), f"{atom}: no word where {value.word} was said to be"
 
 
 def check_structured(text: str) -> None:
     check_labels(as_text(text))
+
+
+def check_forms(text: str) -> None:
+    check_labels(without_markup(text))
+    check_labels(as_lines(text, QUERY))
 
 
 def check_proposal(text: str) -> None:
@@ -160,6 +174,7 @@ class Fuzzed:
 
 PARSERS = {
     "labels": Fuzzed(LABELS + PROPOSALS, check_labels),
+    "forms": Fuzzed(FORMS + LABELS[2:3], check_forms),
     "structured": Fuzzed(STRUCTURED + LABELS[:1], check_structured),
     "proposal": Fuzzed(PROPOSALS + LABELS, check_proposal),
     "plan": Fuzzed(PLANS + LABELS[:1], check_plan),
@@ -184,6 +199,14 @@ HOSTILE = {
     "atoms": "on(patty1, grill): True\n",
     "unasked": "on(patty1, cup9): True ",
     "escapes": "\\_\\*`",
+    "rows": "<tr><td>",
+    "tags": '<a b="',
+    "comments": "<!-- ",
+    "boxes": "\\boxed{",
+    "ticks": "- [x] ",
+    "cells": "| , ; \t",
+    "headings": "True:\n",
+    "values": ". true",
     "dashes": "-a",
     "digits": "1a",
     "one long argument": "patty1 ",
@@ -226,6 +249,7 @@ def read_by_all(text: str) -> None:
     parse_labels(text, QUERY)
     read_proposal(DEMO, text, ProposalSettings())
     as_text(text)
+    as_lines(without_markup(text), QUERY)
     parse_code(text, {"item": ITEM})
     if text.startswith("Plan:") or "\nPlan:" in text:
         parse_plan(text, SKILLS, (ITEM,), OBJECTS)

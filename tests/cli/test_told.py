@@ -71,6 +71,22 @@ def test_a_photo_and_a_goal_are_enough_for_a_plan(cli: Cli, model: Model, done: 
     assert ran.code == 0 and "Press: robby, new" in ran.out
 
 
+def test_a_second_goal_for_a_photo_keeps_the_first_plan(cli: Cli, model: Model, done: Path, photo: Path) -> None:
+    model(label=lambda request: _blind(request))
+
+    def planned(goal: str, *options: object) -> tuple[str, Any]:
+        ran = cli("plan", done, "--photo", photo, "--goal", goal, *options, "--json")
+        folder = Path(ran.json["folder"])
+        return folder.name, json.loads((folder / "plan.json").read_text())["goal"]
+
+    first, _ = planned("Done(l2)")
+    assert planned("Done(l1)") == (f"{first}-2", ["Done(l1)"])
+    assert planned("Done(l2)") == (first, ["Done(l2)"]), "the same task again takes its own folder"
+    assert planned("not Done(l1)")[0] == f"{first}-3"
+    ran = cli("plan", done, "--photo", photo, "--goal", "Done(l1)", "--out", done / "plans" / first)
+    assert ran.code == 0 and "the plan of another task there is replaced" in ran.err
+
+
 def _blind(request: Any) -> str:
     """Photos have no boxes: everything is false in them."""
     if request.purpose == "propose" or request.views[0].boxes:

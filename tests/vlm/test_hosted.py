@@ -21,11 +21,12 @@ from pix2pred.structs.views import View
 from pix2pred.vlm import Finish, FlowSettings, NoAnswerError, Purpose, Request, VLMError
 from pix2pred.vlm.control.flow import TransientError
 from pix2pred.vlm.hosted.anthropic import Anthropic
-from pix2pred.vlm.hosted.client import HostedVLM, _tokens
+from pix2pred.vlm.hosted.client import HostedVLM
 from pix2pred.vlm.hosted.google import Google
 from pix2pred.vlm.hosted.openai import OpenAI
 from pix2pred.vlm.hosted.openai_compatible import OpenAICompatible
 from pix2pred.vlm.hosted.pricing import dollars
+from pix2pred.vlm.hosted.probabilities import tokens_of
 from pix2pred.vlm.hosted.provider import Provider
 from pix2pred.vlm.hosted.spec import HostedSpec, hosted_model
 from pix2pred.vlm.model_spec import ModelNameError
@@ -209,8 +210,8 @@ def test_prices_are_known_for_known_models_alone() -> None:
 
 def test_tokens_that_do_not_make_up_the_text_are_not_believed() -> None:
     said = [{"token": "Tr", "logprob": -0.1, "top_logprobs": None}, {"token": "ue", "logprob": 0.0}]
-    assert [t.text for t in _tokens(said, "True")] == ["Tr", "ue"]
-    assert _tokens(said, "Truer") == () and _tokens(None, "True") == ()
+    assert [t.text for t in tokens_of(said, "True")] == ["Tr", "ue"]
+    assert tokens_of(said, "Truer") == () and tokens_of(None, "True") == ()
 
 
 @pytest.mark.parametrize(

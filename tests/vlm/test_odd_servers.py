@@ -239,6 +239,49 @@ def test_unknown_reasons_to_finish_mean_that_the_answer_is_whole(finish: str | N
     assert (answer.text, answer.finish) == ("lit(a): True", Finish.COMPLETE)
 
 
+@pytest.mark.parametrize("mistake", [
+    TypeError("send() got an unexpected keyword argument 'x'"), AttributeError("no 'y'"), KeyError("z"),
+    ImportError("cannot import name 'w'"),
+])  # fmt: skip
+def test_a_mistake_in_a_program_ends_the_run_at_once_and_is_named(
+    mistake: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried = []
+
+    async def send(*args: object, **settings: object) -> None:
+        tried.append(args)
+        raise mistake
+
+    monkeypatch.setattr("pydantic_ai.direct.model_request", send)
+    with (
+        running(Scripted(lambda body: said("lit(a): True"))) as server,
+        pytest.raises(
+            VLMError, match=f"a fault in this program .*{type(mistake).__name__} in test_odd_servers.py, line"
+        ),
+    ):
+        asked_of(server).answer(QUESTION)
+    assert len(tried) == 1
+
+
+def test_a_body_that_confuses_a_library_is_asked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The server answered, so that what is wrong may be the answer."""
+    from pydantic_ai import direct
+
+    sent, failed = direct.model_request, list[Any]()
+
+    async def send(*args: Any, **settings: Any) -> Any:
+        response = await sent(*args, **settings)
+        if not failed:
+            failed.append(response)
+            raise TypeError("'NoneType' object is not iterable")
+        return response
+
+    monkeypatch.setattr("pydantic_ai.direct.model_request", send)
+    with running(Scripted(lambda body: said("lit(a): True"))) as server:
+        assert asked_of(server).answer(QUESTION).text == "lit(a): True"
+        assert len(server.asked) == 2
+
+
 @pytest.mark.parametrize("packed", [False, True])
 def test_a_body_without_an_end_is_not_read_to_the_end(packed: bool) -> None:
     content = b" " * (MOST_BYTES + 1)

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rich.markup import escape
 
 from pix2pred.api import load_solver
-from pix2pred.cli.console import UsageError, counted, out, plain, print_json
+from pix2pred.cli.console import UsageError, counted, err, out, plain, print_json
 from pix2pred.cli.guide import Photos, TypedPaths, WatchedFolder, guide, print_missing
 from pix2pred.cli.learn import say_where_questions_wait
 from pix2pred.cli.ranges import NOT_NEGATIVE, output_folder
@@ -21,6 +21,7 @@ from pix2pred.registry import Registry
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs import addresses
 from pix2pred.runs.folder import RunFolder
+from pix2pred.runs.layout import PLANS
 from pix2pred.runs.photo_task import SceneInWords, photo_task
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, plan_document
 from pix2pred.runs.verdict import doubts_about
@@ -58,7 +59,12 @@ def plan(
         list[str] | None, Parameter(help="With --photo: atom that holds and that no photo shows, such as 'Held(cup)'.")
     ] = None,
     out_dir: Annotated[
-        Path | None, Parameter(name="--out", help="Folder to write [default: RUN/plans/TASK].", validator=output_folder)
+        Path | None,
+        Parameter(
+            name="--out",
+            help="Folder to write [default: RUN/plans/TASK, or TASK-2 next to another plan].",
+            validator=output_folder,
+        ),
     ] = None,
     vlm: Annotated[
         str | None, Parameter(help="What looks at the photos [default: the model that labelled the run].")
@@ -96,7 +102,9 @@ def plan(
     said = SceneInWords(goal or (), thing or (), holds or ())
     chosen = _task(RunFolder(run), solver.model, task, photo or (), said)
     say_where_questions_wait(registry.model_spec(vlm or addresses.reached(config["vlm"], run)))
-    with PlanFolder.locked(out_dir or run / "plans" / chosen.name) as folder:
+    with PlanFolder.locked(out_dir or PlanFolder.free(run / PLANS, chosen, solver.model)) as folder:
+        if folder.replaces(chosen, solver.model):
+            err.print(plain(f"{folder.path}: the plan of another task there is replaced"), markup=False, soft_wrap=True)
         session = folder.session(chosen, solver.model, solver.labeller.vlm.name, retake=retake)
         scene = plan_scene(solver, chosen)
         if not json:

@@ -18,6 +18,7 @@ import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
@@ -80,6 +81,20 @@ class PlanFolder:
             raise RunFolderError(f"{path}: holds other files and no plan; choose another folder with --out")
         with RunFolder(path).locked() as folder:
             yield cls(folder)
+
+    @staticmethod
+    def free(plans: Path, task: Task, model: WorldModel) -> Path:
+        """The first of ``NAME``, ``NAME-2``, ... in ``plans`` that holds no plan yet, or that of this very task.
+
+        So a second goal for a photo, or a photo of the same name, takes no plan's place. A folder in which a person
+        began to execute a plan counts as this task's: ``session`` says when it is not.
+        """
+        paths = (plans / (task.name if number == 1 else f"{task.name}-{number}") for number in count(1))
+        return next(p for p in paths if (p / SESSION).exists() or _same_task(p, task, model) in (None, True))
+
+    def replaces(self, task: Task, model: WorldModel) -> bool:
+        """Whether the plan of another task stands here, which this one is going to replace."""
+        return _same_task(self.path, task, model) is False
 
     @property
     def path(self) -> Path:
@@ -152,10 +167,28 @@ class PlanFolder:
 
 def _identity(task: Task, model: WorldModel, labels_from: str) -> str:
     """SHA-256 over everything a session depends on."""
-    scene = Demo(task.name, task.objects, (task.initial,), (), task.goal)
-    seen = project_digest(Project(model.vocabulary, (scene,), {}, None))
-    several = [shown(task.goals)] if task.alternatives else []
+    seen, *several = _scene(task, model)
     return hashlib.sha256(json.dumps([seen, dump_model(model), labels_from, *several]).encode()).hexdigest()
+
+
+def _scene(task: Task, model: WorldModel) -> list[Any]:
+    """What tells a task from others: a digest of picture, objects and goal, and the goal in words if it has several."""
+    scene = Demo(task.name, task.objects, (task.initial,), (), task.goal)
+    several = [shown(task.goals)] if task.alternatives else []
+    return [project_digest(Project(model.vocabulary, (scene,), {}, None)), *several]
+
+
+def _same_task(path: Path, task: Task, model: WorldModel) -> bool | None:
+    """Whether the plan in a folder is of ``task``; ``None`` without a plan there, or one that cannot be read."""
+    try:
+        there = json.loads((path / "plan.json").read_bytes())
+        return bool(there.get("of", _scene(task, model)) == _scene(task, model) and there["goal"] == _goal(task))
+    except (OSError, ValueError, KeyError, AttributeError):
+        return None
+
+
+def _goal(task: Task) -> list[str]:
+    return [str(a) for a in task.goal]
 
 
 def plan_document(scene: PlannedScene, guided: Guided | None = None) -> dict[str, Any]:
@@ -168,7 +201,8 @@ def plan_document(scene: PlannedScene, guided: Guided | None = None) -> dict[str
         "format": "pix2pred-plan",
         "version": 1,
         "task": scene.task.name,
-        "goal": [str(a) for a in scene.task.goal],
+        "of": _scene(scene.task, scene.solver.model),
+        "goal": _goal(scene.task),
         "status": scene.result.status.value,
         "plan": steps,
         "rests_on": [_label_doc(scene, atom) for atom in scene.rests_on],

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pix2pred.predicates.labelling.parse_labels import Parsed, QueriedAtoms
+from pix2pred.predicates.labelling.written_forms import without_markup
 from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.structs import Label
 from pix2pred.vlm import Token
@@ -30,7 +31,7 @@ class HistoryFormat:
         """The last line that begins with an atom decides about it; a line that cannot be read gives no value."""
         asked, found = QueriedAtoms(queried), dict[str, History]()
         other_words = unasked = 0
-        for line in clean(answer).splitlines():
+        for line in clean(without_markup(answer)).splitlines():
             mention = next(mentions(line), None)
             if mention is None or any(character.isalpha() for character in line[: mention.start]):
                 continue

@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 
 from pix2pred.images import skill_crop
 from pix2pred.predicates.labelling.asking import TOKENS_OF_REASONING, TOKENS_PER_ATOM
-from pix2pred.predicates.labelling.parse_labels import parse_labels
+from pix2pred.predicates.labelling.label_format import LabelFormat
 from pix2pred.predicates.labelling.state_labels import StateLabeller
-from pix2pred.predicates.labelling.structured import as_text, schema
 from pix2pred.predicates.prompt import atom_text, fill, meaning_lines, object_lines, views
 from pix2pred.structs import Atom, Label, Object, State
 from pix2pred.structs.views import View
@@ -37,6 +36,7 @@ class SecondLook:
         used up, in the sample. Unknown when there is no usable answer.
         """
         settings = self.labeller.settings
+        form = LabelFormat(settings.structured)
         text = atom_text(atom)
         meaning = f"\nMeaning:\n{meaning_lines([atom.predicate])}\n" if atom.predicate.description else ""
         wording = WORDINGS[number % len(WORDINGS)]
@@ -47,15 +47,14 @@ class SecondLook:
             TOKENS_OF_REASONING + TOKENS_PER_ATOM,
             temperature=settings.sampling_temperature,
             sample=number // len(WORDINGS),
-            schema=schema([text]) if settings.structured else "",
+            schema=form.schema([text]),
             about=f"episode, state {t}: {text} again",
         )
         try:
             answer = self.labeller.vlm.answer(request)
         except (NoAnswerError, ReplayMissError):  # recordings of before hold no such questions
             return Label.UNKNOWN
-        read = as_text(answer.text) if settings.structured else answer.text
-        return parse_labels(read, [text]).values.get(text, Label.UNKNOWN)
+        return form.read(answer.text, [text]).values.get(text, Label.UNKNOWN)
 
     def _pictures(self, state: State, t: int, objects: Sequence[Object], atom: Atom, number: int) -> list[View]:
         """The state's pictures, and of each the part with the atom's objects; the cameras turn with ``number``."""

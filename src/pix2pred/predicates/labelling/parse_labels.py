@@ -12,22 +12,28 @@ from pix2pred.predicates.proposing.parse_atoms import clean, kept, mentions
 from pix2pred.structs import Label
 
 _SYNONYMS: Mapping[Label, str] = {
-    Label.TRUE: "yes y t 1 ✓ ✔ ✅ ☑ verdadero cierto sí si wahr ja vrai oui vero verdadeiro 真 是 对 正确 はい 참 да",
-    Label.FALSE: "no n f 0 ✗ ✘ ❌ ✕ falso falsch nein faux non não 假 否 错 错误 偽 いいえ 거짓 нет ложь",
+    Label.TRUE: "yes y t 1 ✓ ✔ ✅ ☑ verdadero cierto sí si wahr ja richtig vrai oui vero verdadeiro 真 是 对 正确 はい "
+    "참 да",
+    Label.FALSE: "no n f 0 ✗ ✘ ❌ ✕ ✖ falso falsch nein faux non não 假 否 错 错误 偽 いいえ 거짓 нет ложь",
     Label.UNKNOWN: "desconocido unbekannt inconnu sconosciuto desconhecido 未知 不确定 不明",
 }
 """Other words for the three values. They count only where nothing but punctuation follows: "No change" is no "No"."""
 _WORDS: Mapping[str, Label] = {label.word: label for label in Label}
 ALL_WORDS = dict(_WORDS) | {word: label for label, words in _SYNONYMS.items() for word in words.split()}
 """What every word for a value means, in small letters."""
-_WORD = r"([^\W\d_]+|[01](?![\w.])|[✓✔✅☑✗✘❌✕])"
-_SOMETHING = r"[\"'_ \t]*"
+_WORD = r"([^\W\d_]+|[01](?![\w.])|[✓✔✅☑✗✘❌✕✖])"
+_SOMETHING = r"[\"'_ \t]*+"
+_NAMED = r"(?:(?:the )?(?:truth )?(?:value|answer|label|verdict|A)(?: is|[ \t]*+[:：=]))?"
+_CLOSED = rf"(?=[^\W_]+{_SOMETHING}[)\]}}>])"
+_OPENED = rf"(?:{_SOMETHING}[(\[{{<]{_SOMETHING}{_CLOSED}|{_SOMETHING})"
+"""What may stand between an atom that begins a line and its value: a name for values, and brackets."""
 _VALUE = re.compile(rf"[ \t]*(?:[:：]|={{1,3}})[ \t]*{_WORD}")
-_ALONE = r"(?=[ \t]*\w+[ \t.]*(?:\n|\Z))"
+_ALONE = r"(?=[ \t]*+\w++[ \t.]*+(?:\n|\Z))"
 """Before a word that ends its line."""
 _LINE_VALUE = re.compile(
-    rf"{_SOMETHING}(?:[:|：?→]|={{1,3}}>?|->|-|–|—|is(?: now| still)?\b{_ALONE}|[:：]?[ \t]*\n[ \t>+\-]*{_ALONE}"
-    rf"|,{_SOMETHING}(?:truth_)?(?:value|label|truth|holds){_SOMETHING}:){_SOMETHING}{_WORD}"
+    rf"{_SOMETHING}(?:[:|：?→]|={{1,3}}>?|->|-|–|—|is(?: now| still)?\b{_ALONE}|[:：?]?[ \t]*+\n[ \t>+\-]*+{_ALONE}"
+    rf"|[ \t.]*+{_ALONE}|(?=[(\[{{]{_SOMETHING}{_CLOSED})"
+    rf"|,{_SOMETHING}(?:truth_)?(?:value|label|truth|holds){_SOMETHING}:){_SOMETHING}{_NAMED}{_OPENED}{_WORD}"
 )
 """After an atom that begins a line, more is understood: quotes, arrows, dashes, table cells, the line below, JSON."""
 _ARROW = r"[-=~]{1,3}>|[\u2190-\u21ff\u2794-\u27bf\u27f0-\u27ff\u2900-\u297f]|to\b"
@@ -54,13 +60,18 @@ _FROM_TO = re.compile(
 _DENIED = re.compile(r"(?:\bnot[ \t]*[(]?|¬)[ \t]*\Z|(?<![\w~!])[!~]\Z", re.IGNORECASE)
 """What makes an atom its opposite when it stands before it."""
 _ENDS = re.compile(r"[ \t]*(?:[.,;:!。，；)\]}|\"'_…(–—-]|\n|\Z)")
+_REPEATED = re.compile(rf"[ \t]*+[,;.(:–-]?[ \t]*+{_TRUTH}", re.IGNORECASE)
+"""What follows another word for a value: a value, which has to be the same."""
+_BEGINS = re.compile(r"-\w|\s*\bor[\s.…]*\Z", re.IGNORECASE)
+"""What makes a value the beginning of something else: "true-ish", or an answer that ends with "True or"."""
 _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | dict.fromkeys(
-    (0xA0, 0x3000, 0xFEFF, *range(0x2000, 0x2010), *range(0x202A, 0x2030), *range(0x205F, 0x206A)), " "
+    (0xA0, 0x3000, 0xFEFF, *range(0x2000, 0x2010), *range(0x202A, 0x2030), *range(0x205F, 0x206A), 0xFE0F), " "
 )
 """Full-width letters, digits and signs, to plain ones; odd and invisible spaces to one: a character for a character."""
 _QUOTED = re.compile(r"\([^()\n]{0,200}[\"'“”‘’][^()\n]{0,200}\)")
 _ATOM_AHEAD = r"(?![ \t]*[A-Za-z_][\w\-]*[ \t]*\([^()]*\)[ \t]*[:=])"
-_THIRD_SECTION = re.compile(rf"^[ \t#>\-]*(?:section[ \t]*)?3[.):]{_ATOM_AHEAD}", re.IGNORECASE | re.MULTILINE)
+THIRD_SECTION = re.compile(rf"^[ \t#>\-]*(?:section[ \t]*)?3[.):](?!\d){_ATOM_AHEAD}", re.IGNORECASE | re.MULTILINE)
+_VALUE_ALONE = re.compile(rf"^[^\w\n]*+{_TRUTH}[^\w\n]*+\n", re.IGNORECASE | re.MULTILINE)
 _LINE_START = re.compile(
     r"\n[ \t>#+\-\d.)|\"'_•–]*(?:\{\s*[\"'](?:atom|predicate|fact|name)[\"']\s*:\s*[\"'])?"
     r"(?:not[ \t]*[(]?|[¬!~])?[ \t]*\Z",
@@ -118,7 +129,7 @@ def parse_labels(answer: str, queried: Sequence[str]) -> ParsedLabels:
     text = clean(_QUOTED.sub(_unquoted, answer.translate(_WIDE)))
     statements = list(_statements(text))
     if statements:
-        begins = [h.end() for h in _THIRD_SECTION.finditer(text) if h.end() <= statements[-1].start]
+        begins = [h.end() for h in THIRD_SECTION.finditer(text) if h.end() <= statements[-1].start]
         statements = [s for s in statements if s.start >= max(begins, default=0)]
     asked = QueriedAtoms(queried)
     inside: dict[str, tuple[Label, int]] = {}
@@ -152,12 +163,15 @@ def _unquoted(match: re.Match[str]) -> str:
 
 
 def _statements(text: str) -> Iterator[_Statement]:
+    first = next(mentions(text), None)
+    headed = first is not None and _VALUE_ALONE.search(text, 0, first.start) is not None
     for mention in mentions(text):
         near = "\n" + text[: mention.start] if mention.start < 20 else text[mention.start - 20 : mention.start]
         leads = _LINE_START.search(near) is not None
         behind = mention.end
         if word := _FROM_TO.match(text, behind) or (_LINE_VALUE if leads else _VALUE).match(text, behind):
-            value = _decided(text, word)
+            below = headed and "\n" in text[behind : word.start(1)]  # that value may head the atoms below it
+            value = None if below else _decided(text, word)
             undecided = value is None and word[1].lower() in _WORDS
             if _DENIED.search(near):
                 undecided, value = value != Label.TRUE, Label.FALSE if value == Label.TRUE else None
@@ -167,7 +181,15 @@ def _statements(text: str) -> Iterator[_Statement]:
 def _decided(text: str, word: re.Match[str]) -> Label | None:
     """The value that the word after an atom gives, together with what follows it."""
     value, end = ALL_WORDS.get(word[1].lower()), word.end(1)
-    if value is None or (word[1].lower() not in _WORDS and not _ENDS.match(text, end)):
+    if value is None:
+        return None
+    if word[1].lower() not in _WORDS:
+        if (same := _REPEATED.match(text, end)) and _WORDS[same[1].lower()] != value:
+            return None  # "No, True"
+        if not same and not _ENDS.match(text, end):
+            return None
+        end = same.end() if same else end
+    if _BEGINS.match(text, end):
         return None
     while then := _THEN.match(text, end):
         other = ALL_WORDS.get((then[3] or "").lower())
@@ -193,7 +215,7 @@ class QueriedAtoms:
     def find(self, text: str) -> str | None:
         """The queried atom that ``text`` writes, or none."""
         plain = _plain(text)
-        return self._plain.get(plain) or self._folded.get(plain.lower())
+        return self._plain.get(plain) or self._folded.get(plain.lower()) or self._folded.get(plain.lower().lstrip("_"))
 
 
 def _plain(atom: str) -> str:

@@ -23,6 +23,9 @@ _GENERAL = re.compile(r"^- (\w+): (\w+(?:, \w+)*)$", re.MULTILINE)
 _MEANT = re.compile(r"(?<=^- )(\w+)(?= = )", re.MULTILINE)
 _IN_ACTION = re.compile(r"(?<=:)(\w+)(?=[,\]])")
 _SIGNATURE = re.compile(r"(?<=\w\()([^()]+)(?=\))")
+_TYPES = re.compile(r"^(- \w+)(\([^()\n]*\)(?:, \([^()\n]*\))*)", re.MULTILINE)
+"""A skill or a word with the types of its arguments, a list for each combination."""
+_LIST = re.compile(r"\(([^()]*)\)")
 _PIXELS = re.compile(rb'"pixels": "([0-9a-f]{64})"')
 
 
@@ -87,6 +90,11 @@ def _neutral(text: str) -> str:
         parts = (part.strip() for part in match[1].split(","))
         return ", ".join(part if part in objects else called.get(part, part) for part in parts)
 
+    def signatures(match: re.Match[str]) -> str:
+        """Types alone stand here, also those that are called like an object."""
+        lists = ([called.get(t.strip(), t.strip()) for t in types.split(",")] for types in _LIST.findall(match[2]))
+        return f"{match[1]} [{'; '.join(sorted(', '.join(types) for types in lists))}]"
+
     generals = [m for m in _GENERAL.finditer(text) if all(kind in called for kind in m[2].split(", "))]
     more = {m[1]: f"<{' '.join(members(m))}>" for m in generals if m[1] not in called}
     called |= more
@@ -94,4 +102,4 @@ def _neutral(text: str) -> str:
     text = _GENERAL.sub(lambda m: f"- {called.get(m[1], m[1])}: {', '.join(members(m))}", text)
     text = _MEANT.sub(lambda m: called.get(m[1], m[1]), text)
     text = _IN_ACTION.sub(lambda m: called.get(m[1], m[1]), text)
-    return _SIGNATURE.sub(arguments, text)
+    return _SIGNATURE.sub(arguments, _TYPES.sub(signatures, text))

@@ -8,23 +8,23 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import math
 import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from pix2pred.structs import PictureError
 from pix2pred.structs.views import View
 from pix2pred.vlm.control.flow import FlowSettings, TransientError
 from pix2pred.vlm.control.rate_limits import pause_after
 from pix2pred.vlm.hosted.pricing import dollars
+from pix2pred.vlm.hosted.probabilities import tokens_of as _tokens
 from pix2pred.vlm.hosted.provider import HostedModel, Parameter
 from pix2pred.vlm.hosted.spoken import spoken
 from pix2pred.vlm.model_spec import Draw
-from pix2pred.vlm.request import Answer, Finish, NoAnswerError, Request, Spent, Token, VLMError
+from pix2pred.vlm.request import Answer, Finish, NoAnswerError, Request, Spent, VLMError
 
 if TYPE_CHECKING:
     from pydantic_ai.messages import ModelMessage, ModelResponse
@@ -86,15 +86,17 @@ class HostedVLM:
         Raises ``TransientError``, ``NoAnswerError`` or ``VLMError``. A model that allows no answer of this budget says
         so beforehand; the answer is then empty.
         """
-        from pix2pred.vlm.hosted.failures import TooLargeError, UnwantedError, translated
+        from pix2pred.vlm.hosted.failures import TooLargeError, UnwantedError, programming_fault, translated
 
         self._check_pictures(request)
         while True:
             thinking, left_out = self._thinking, self._left_out
-            begin = time.perf_counter()
+            begin, answered = time.perf_counter(), list[int]()
             try:
-                response = self._exchange(request, thinking, left_out)
+                response = self._exchange(request, thinking, left_out, answered)
             except Exception as error:  # every library below has exceptions of its own; their texts may hold the key
+                if not answered and (fault := programming_fault(error, self.name, self._key)):
+                    raise fault from None
                 failure = translated(error, self._model, self._key, self._flow.timeout, request)
             else:
                 return self._read(request, response, thinking, time.perf_counter() - begin)
@@ -139,18 +141,27 @@ class HostedVLM:
                 self._thinking = thinking // 2
                 self._raised = True
 
-    def _exchange(self, request: Request, thinking: int, left_out: frozenset[Parameter]) -> ModelResponse:
+    def _exchange(
+        self, request: Request, thinking: int, left_out: frozenset[Parameter], answered: list[int]
+    ) -> ModelResponse:
         messages, settings = self._messages(request), self._settings(request, thinking, left_out)
         parameters = _parameters(request, left_out)
-        coming = asyncio.run_coroutine_threadsafe(self._send(messages, settings, parameters), self._loop)
+        coming = asyncio.run_coroutine_threadsafe(self._send(messages, settings, parameters, answered), self._loop)
         self._prepare(request.upcoming, coming)
         return coming.result()
 
     async def _send(
-        self, messages: list[ModelMessage], settings: ModelSettings, parameters: ModelRequestParameters
+        self,
+        messages: list[ModelMessage],
+        settings: ModelSettings,
+        parameters: ModelRequestParameters,
+        answered: list[int],
     ) -> ModelResponse:
         from pydantic_ai.direct import model_request
 
+        from pix2pred.vlm.hosted.http import ANSWERED
+
+        ANSWERED.set(answered)
         sending = model_request(
             self._client, messages, model_settings=settings, model_request_parameters=parameters, instrument=False
         )
@@ -275,23 +286,3 @@ def _parameters(request: Request, left_out: frozenset[Parameter]) -> ModelReques
         return ModelRequestParameters()
     schema = OutputObjectDefinition(json_schema=json.loads(request.schema), name="labels", strict=True)
     return ModelRequestParameters(output_mode="native", output_object=schema, allow_text_output=True)
-
-
-def _tokens(logprobs: Any, text: str) -> tuple[Token, ...]:
-    """Tokens with their own probability first; empty when they are not there, absurd, or do not make up the text."""
-    try:
-        tokens = [
-            Token(str(item["token"]), tuple(_logprob(t) for t in (item, *(item.get("top_logprobs") or ()))))
-            for item in (logprobs if isinstance(logprobs, list) else ())
-        ]
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
-        return ()
-    return tuple(tokens) if "".join(t.text for t in tokens) == text else ()
-
-
-def _logprob(token: Any) -> tuple[str, float]:
-    """A token's text and the logarithm of its probability. Raises ``ValueError`` for what cannot be one."""
-    value = token["logprob"]
-    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value) or value > 0:
-        raise ValueError("no logarithm of a probability")
-    return str(token["token"]), float(value)

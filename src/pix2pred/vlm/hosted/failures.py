@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import json
 import re
+import traceback
 from collections.abc import Iterator
 from http import HTTPStatus
+from pathlib import Path
 from typing import Any
 
 from pydantic_ai import exceptions as ai
@@ -76,6 +78,7 @@ _LARGE_PICTURE = re.compile(
 )
 _NUMBER = re.compile(r"(?<![\d.])\d{1,3}(?![\d.]*\d)")
 _CERTIFICATE = re.compile(r"certificate|CERTIFICATE_VERIFY_FAILED|self.signed", re.I)
+_MISTAKES = (TypeError, AttributeError, NameError, LookupError, AssertionError, NotImplementedError, ImportError)
 _MARKUP = re.compile(r"</?[A-Za-z][^<>]{0,200}>")
 """Marks of a page, which proxies send in place of a message."""
 _READ_OF_A_MESSAGE = 2000
@@ -104,6 +107,22 @@ def translated(error: Exception, model: HostedModel, key: str | None, timeout: f
     if isinstance(error, ai.UnexpectedModelBehavior):
         return TransientError("the server's answer does not follow the protocol")
     return TransientError(f"the request failed ({type(error).__name__})")
+
+
+def programming_fault(error: Exception, name: str, key: str | None) -> VLMError | None:
+    """The error that ends the run if ``error``, met before any server answered, is a mistake in a program.
+
+    No repetition mends such a one. It is named with its place, for whoever mends it.
+    """
+    if not isinstance(error, _MISTAKES):
+        return None
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" in {Path(frames[-1].filename).name}, line {frames[-1].lineno}" if frames else ""
+    return VLMError(
+        f"{name}: a fault in this program or a library below it, not in the server: {type(error).__name__}{place}: "
+        f"{_message(str(error), key)[:_SHOWN_OF_A_MESSAGE]}; no question was sent. Report it; until it is mended, "
+        "another version of the packages 'pydantic-ai-slim' and of the provider's own may help"
+    )
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import zlib
 from collections.abc import AsyncIterator, Callable
+from contextvars import ContextVar
 from typing import Any
 
 import httpx2
@@ -20,6 +21,8 @@ MOST_BYTES = 32 << 20
 """Of one body, as sent and unpacked: 8,000 tokens with five alternatives each are five megabytes."""
 _SECONDS, _SECONDS_TO_CONNECT = 600.0, 10.0
 """Bounds below those of the flow settings, which end earlier; a server that takes longer to connect is not there."""
+ANSWERED: ContextVar[list[int] | None] = ContextVar("answered", default=None)
+"""Where the status of every response is noted while one question is sent, for whoever has to tell why it failed."""
 _UNNEEDED = ("id", "created", "usage", "object", "model", "system_fingerprint", "service_tier")
 """Fields of a chat completion that are left out when they have another form than the protocol says."""
 _FORMS: dict[str, type | tuple[type, ...]] = {"created": int, "usage": dict}
@@ -55,6 +58,8 @@ class _Bounded(httpx2.AsyncBaseTransport):
     async def handle_async_request(self, request: httpx2.Request) -> httpx2.Response:
         request.headers["accept-encoding"] = "identity"
         response = await self._below.handle_async_request(request)
+        if (answered := ANSWERED.get()) is not None:
+            answered.append(response.status_code)
         try:
             packed = response.headers.get("content-encoding", "identity").strip().lower()
             content = await _whole(response.stream, packed)
