@@ -94,7 +94,7 @@ class Tools:
         """
         things, state, goals = self._in_words(objects, holds, goal)
         model = self.solver.model
-        _, result = plan_for_any(self.solver.planner, model.operators, things, state, goals)
+        result = plan_for_any(self.solver.planner, model.operators, things, state, goals)
         lines = write_plan(model, things, result.plan).splitlines() if result.status == PlanStatus.SOLVED else []
         return {"status": result.status.value, "plan": [str(step) for step in result.plan], "lines": lines}
 

@@ -237,3 +237,24 @@ def test_pictures_of_other_sizes_and_formats_do_not_crash(cli: Cli, model: Model
     (data / "demos/d1/images/1/main.png").write_bytes(lamps.png(1, 41, 31))
     assert cli("check", data).code == 2
     assert cli("learn", data, "--out", tmp_path / "run").code in (0, 2)
+
+
+PLAIN = '"Done(l1)", "Done(l2)"'
+
+
+@pytest.mark.parametrize("learner", ["robust", "cluster-and-intersect"])
+def test_goals_with_or_and_not_teach_what_the_way_that_was_shown_teaches(
+    cli: Cli, model: Model, data: Path, tmp_path: Path, learner: str
+) -> None:
+    edit(data / "domain.yaml", "cluster-and-intersect", learner)
+    goals = (PLAIN, '"Done(l1) and Done(l2) or not Done(l1) and Done(l2)"', f'{PLAIN}, "not Done(l1) or Done(l2)"')
+    for i, goal in enumerate(goals):
+        for file in data.glob("demos/*/demo.yaml"):
+            edit(file, f"goal: [{goals[max(0, i - 1)]}]", f"goal: [{goal}]")
+        ran = cli("learn", data, "--out", tmp_path / str(i))
+        assert ran.code == 0, ran.err
+    made = [(tmp_path / str(i) / "model/domain.pddl").read_text() for i in range(len(goals))]
+    assert len(set(made)) == 1 and "done" in made[0].lower()
+    assert "not Done(l1)" in (tmp_path / "1/report.html").read_text()
+    assert cli("learn", "--resume", tmp_path / "1").code == 0
+    assert (tmp_path / "1/model/domain.pddl").read_text() == made[0]

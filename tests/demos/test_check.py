@@ -338,7 +338,7 @@ def test_demo_folders_with_unusable_names(project: Path) -> None:
         ('["Full(z)"]', '["On(a, z)", "Full(z) or not Full(zz)"]', 6, "did you mean 'z'?"),
         ('["Full(z)"]', '["not Full(z) or"]', 6, "at the end of 'not Full(z) or'"),
         ('["Full(z)"]', '["Full(z)", "not Full(z)"]', 6, "the goal can never hold"),
-        ('["On(a, z)"]', '["not On(a, z)"]', 8, "only the goal of a task may say what must not hold"),
+        ('["On(a, z)"]', '["not On(a, z)"]', 8, "only goals may say what must not hold"),
         ('["On(a, z)"]', '["On(a, b)"]', 8, "object 'b' is not declared"),
         ("type: cup, descriptor", "type: cop, descriptor", 5, "did you mean 'cup'?"),
         ("version: 1", "version: 0", 2, "version is 0"),
@@ -364,6 +364,32 @@ def test_goals_of_tasks_may_say_not_and_or(project: Path) -> None:
     doc = yaml.safe_load(file.read_text())
     edit(file, str(doc["goal"][0]), "Full(a)")
     assert len(read_tasks(project, vocabulary)[0].task.goals) == 1, "the other way contradicts it"
+
+
+def test_goals_of_demonstrations_may_say_not_and_or(project: Path) -> None:
+    edit(project / "demos/d1/demo.yaml", '["On(a, b)"]', '["On(a, b) or On(b, a)", "not Full(b) or Full(a)"]')
+    (demo,) = read_project(project).demos
+    assert [[str(atom) for atom in goal] for goal in demo.goals] == [
+        ["On(a, b)", "not Full(b)"], ["On(a, b)", "Full(a)"], ["On(b, a)", "not Full(b)"], ["On(b, a)", "Full(a)"],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("goal", "line", "message"),
+    [
+        ("not On(a, b)", 4, "goal atom not On(a, b): On(a, b) is among the given atoms of the last state; a demon"),
+        ("On(b, a) or not Full(a)", 4, "On(b, a) is not among the given atoms of the last state (and no other way"),
+        ("Hot(a) or On(a, b) or Full(a)", 12, "the goal already holds in state 1"),
+        ("not Full(b) and not Full(b)", 9, "the goal already holds at the start"),
+        ("On(a, b) and", 4, "at the end of 'On(a, b) and'"),
+        ("On(a, b) or On(a, a)", 4, "names one object twice"),
+        ("On(a, b) and not On(a, b)", 4, "the goal can never hold"),
+    ],
+)
+def test_a_demonstration_ends_in_one_of_its_goals(project: Path, goal: str, line: int, message: str) -> None:
+    edit(project / "demos/d1/demo.yaml", "On(a, b)", goal)
+    problem = only(project)
+    assert problem.line == line and message in problem.message
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", "[" * 100_000, '{"a": NaN}', "\x00"])

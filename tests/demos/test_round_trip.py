@@ -33,6 +33,7 @@ from pix2pred.structs import (
     Vocabulary,
 )
 from pix2pred.structs.environment import SimulatedTask
+from pix2pred.structs.goals.opposites import opposite
 
 THING = Type("thing")
 ROBOT = Type("robot", ("fingers",), THING)
@@ -83,6 +84,13 @@ def test_a_project_reads_back_equal(tmp_path: Path) -> None:
     (stored,) = read_tasks(tmp_path / "p", VOCABULARY)
     assert (stored.task, stored.simulator) == (task().task, task().simulator)
     assert check_project(tmp_path / "p") == []
+
+
+def test_goals_with_not_and_or_read_back_equal(tmp_path: Path) -> None:
+    ways = (opposite(FULL)(B), FULL(A)), (ON(B, A), opposite(EMPTY)())
+    several = replace(demo(), goal=ways[0], alternatives=ways[1:])
+    write_project(tmp_path / "p", VOCABULARY, [several, replace(demo("two"), goal=ways[0])])
+    assert read_project(tmp_path / "p").demos == (several, replace(demo("two"), goal=ways[0]))
 
 
 def test_camera_order_and_action_parameters_survive(tmp_path: Path) -> None:

@@ -287,7 +287,7 @@ def test_without_doubt_nothing_is_asked_again() -> None:
     vlm = Told([START, START | {"done(a)": "True"}])
     perception = Believing()(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
     perception.start(photo(0))
-    pursuit = Pursuit(plan_from, TASK.goal, plan_from(perception.state).plan, perception)
+    pursuit = Pursuit(plan_from, TASK.goals, plan_from(perception.state).plan, perception)
     assert pursuit.next() == PREPARE_A
     perception.advance(PREPARE_A, photo(1), StepStatus.DONE)
     pursuit.executed(frozenset(), succeeded=True)
@@ -304,8 +304,8 @@ def test_without_a_plan_the_nearest_state_with_one_is_asked_about_first() -> Non
     def plan(state: AbstractState) -> PlanResult:
         return Planner(AStar()).plan(OPERATORS[1:], TASK.objects, state, TASK.goal)
 
-    found = nearest_plan(plan, TASK.goal, perception)
-    assert found is not None and names(found.plan) == ["Take(h, a)", "Pack(h, a)"]
+    found = nearest_plan(plan, TASK.goals, perception)
+    assert found is not None and names(found.found.plan) == ["Take(h, a)", "Pack(h, a)"]
     assert [(q.atom, q.why) for q in perception.questions] == [(DONE(A), WhyAsked.NO_PLAN)]
 
 
@@ -320,10 +320,10 @@ def test_that_the_goal_holds_is_never_assumed_while_there_is_something_to_do() -
         perception.start(photo(0))
         assert {DONE(A), FREE(H)} <= set(perception.possible())
         planner = Planner(AStar())
-        return nearest_plan(lambda now: planner.plan(operators, TASK.objects, now, [DONE(A)]), [DONE(A)], perception)
+        return nearest_plan(lambda now: planner.plan(operators, TASK.objects, now, [DONE(A)]), [[DONE(A)]], perception)
 
     found = nearest(polish)
-    assert found is not None and (names(found.plan), found.assumed) == (["Polish(h, a)"], (FREE(H),))
+    assert found is not None and (names(found.found.plan), found.assumed) == (["Polish(h, a)"], (FREE(H),))
     assert nearest() is None, "nothing makes it done, and to do nothing is no plan"
 
 
@@ -334,7 +334,7 @@ def test_a_plan_that_does_not_rest_on_what_is_in_doubt_is_taken_when_it_is_cheap
     doubted = perception.doubts([DONE(A)])
     assert doubted == (DONE(A),)
     safer = safer_plan(plan_from, perception, doubted, 2)
-    assert safer is not None and names(safer) == ["Prepare(a)", "Take(h, a)", "Pack(h, a)"]
+    assert safer is not None and names(safer.plan) == ["Prepare(a)", "Take(h, a)", "Pack(h, a)"]
     assert safer_plan(plan_from, perception, doubted, -100) is None
     assert safer_plan(plan_from, perception, (), 2) is None
 
@@ -343,7 +343,7 @@ def test_giving_up_has_a_kind_and_a_reason() -> None:
     vlm = Told([START | {"free(h)": "Unknown"}])
     perception = AtTheirWord(MODEL, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
     perception.start(photo(0))
-    pursuit = Pursuit(plan_from, TASK.goal, [PREPARE_A, TAKE_A], perception)
+    pursuit = Pursuit(plan_from, TASK.goals, [PREPARE_A, TAKE_A], perception)
     with pytest.raises(GivenUpError, match=r"no plan any more \(unsolvable\) after Packed|free0\(h\)") as caught:
         pursuit.next()
     assert caught.value.kind == GivingUp.NO_PLAN

@@ -71,7 +71,7 @@ def tried(doors: tuple[Object, ...]) -> tuple[list[str], list[Turn], GivenUpErro
     perception = AtTheirWord(MODEL, task, Labeller(Silent(), LabelSettings()))
     state = perception.start(task.initial)
     make = partial(plan_from, doors)
-    pursuit = Pursuit(make, GOAL, make(state).plan, perception)
+    pursuit = Pursuit(make, [GOAL], make(state).plan, perception)
     steps, turns = list[str](), list[Turn]()
     with pytest.raises(GivenUpError) as caught:
         while (step := pursuit.next()) is not None:

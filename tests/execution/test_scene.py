@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import pytest
 
 from pix2pred.execution import Guided, PlannedScene, Solver, plan_scene
+from pix2pred.execution.belief.perception import AtTheirWord
 from pix2pred.execution.explaining.missing import missing
 from pix2pred.execution.explaining.rests import Need, needs
 from pix2pred.execution.explaining.wording import in_words
@@ -243,6 +244,20 @@ def test_of_several_goals_the_one_with_the_shortest_plan_is_followed() -> None:
     impossible = Predicate("Broken", (CUP,), FromHuman())
     none = plan_scene(solver, replace(several, goal=(impossible(C1),), alternatives=((impossible(C2),),)))
     assert none.task.goal == (impossible(C1),) and none.result.status == PlanStatus.UNSOLVABLE
+
+
+def test_the_way_to_a_goal_with_or_may_change_when_a_step_fails() -> None:
+    hot = COLD | {"hot(k)": "True"}
+    spilt = COLD | {"full(blue_cup)": "True", "empty(blue_cup)": "False"}  # into the other cup
+    labeller = Labeller(Told([hot, spilt]), LabelSettings(crops=False, marks=False))
+    solver = Solver(MODEL, Planner(AStar()), labeller, perceiving=AtTheirWord)
+    asked = Task("monday", (C1, C2, K), photo(0), (SERVED(C1),), ((FULL(C2),),))
+    guided = Guided(plan_scene(solver, asked))
+    assert guided.scene.task.goal == (FULL(C2),) and [str(s) for s in guided.remaining] == ["Op1(k, c2)"]
+    look = guided.observe(photo(1), told=False)
+    assert look.replanned and [str(s) for s in guided.remaining] == ["Op2(c1)"] and not guided.reached
+    guided.observe(guided.told(photo(2), guided.expected_listed), told=True)
+    assert guided.reached and guided.step is None and not guided.ended
 
 
 def test_goals_with_not_are_followed_photo_by_photo_and_held_to() -> None:

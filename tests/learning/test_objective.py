@@ -29,6 +29,7 @@ from pix2pred.learning.strategies import operator_learner, stopping_rule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.planning import LMCut, Strips
 from pix2pred.structs import AbstractState, GroundOperator, LabelledDemo, TruthTable
+from pix2pred.structs.goals.opposites import contrary, holds, is_denial
 from planning.random_tasks import random_strips, relaxed_reachable
 
 SEEDS = st.integers(0, 2**32)
@@ -268,18 +269,19 @@ class CountPlans:
 
 def naive_count(demo: LabelledDemo, operators: list[GroundOperator]) -> float:
     """The same number from sets of atoms."""
-    goal = frozenset(demo.goal)
-    reached = demo.abstract_states()[0]
+    goal = demo.goal
+    reached = start = demo.abstract_states()[0]
     while (grown := reached.union(*(g.add for g in operators if g.preconditions <= reached))) != reached:
         reached = grown
-    if not goal <= reached:
+    undone = frozenset().union(*(g.delete - g.add for g in operators if g.preconditions <= reached))
+    if not all(contrary(a) not in start - undone if is_denial(a) else a in reached for a in goal):
         return -1.0
     total, layer = 0.0, Counter({demo.abstract_states()[0]: 1})
     for i in range(4):
-        total += 1e-3 * 31**i * sum(n for s, n in layer.items() if goal <= s)
+        total += 1e-3 * 31**i * sum(n for s, n in layer.items() if holds(goal, s))
         following: Counter[AbstractState] = Counter()
         for s, n in layer.items():
-            for g in operators if not goal <= s else ():
+            for g in operators if not holds(goal, s) else ():
                 if g.applicable(s):
                     following[g.apply(s)] += n
         layer = following
@@ -287,11 +289,13 @@ def naive_count(demo: LabelledDemo, operators: list[GroundOperator]) -> float:
 
 
 def with_goals(source: TruthTable, seed: int) -> TruthTable:
-    """The table with up to two atoms of the last state as goals."""
+    """The table with up to two atoms of the last state as goals, and up to one that does not hold there."""
     rng, demos = Random(seed), []
     for d in source.demos:
         last = sorted(a for a in d.abstract_states()[-1] if a.predicate in source.initial)
-        goal = tuple(sorted(rng.sample(last, min(len(last), rng.randint(0, 2)))))
+        other = [a for a in d.atoms if a.predicate in source.initial and a not in last]
+        denied = [contrary(a) for a in rng.sample(other, min(len(other), rng.randint(0, 1)))]
+        goal = tuple(sorted((*rng.sample(last, min(len(last), rng.randint(0, 2))), *denied)))
         demos.append(LabelledDemo(d.name, d.objects, d.actions, goal, d.atoms, d.values))
     return TruthTable(source.initial, source.pool, tuple(demos))
 

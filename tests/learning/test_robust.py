@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
 import numpy as np
@@ -18,6 +19,7 @@ from pix2pred.learning.operators.clustering import partition
 from pix2pred.learning.strategies import operator_learner
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Action, Label, LabelledDemo, Object, Operator, Skill, TruthTable
+from pix2pred.structs.goals.opposites import contrary
 
 ROBUST = LearningSettings(operators="robust")
 FAMILIES = ("more-stacks", "bigger", "combo")
@@ -53,6 +55,25 @@ def test_one_wrong_label_among_many_right_ones_is_repaired(wrong: list[int]) -> 
     assert values == [[bool(v) for v in RIGHT]] * 10
     assert EffectKind.ADD in found.effects[1].values() and len(found.effects[1]) == 1
     assert 0.001 < found.surprise[1] < 0.1
+
+
+def test_a_goal_says_what_was_true_and_what_was_not_at_the_end() -> None:
+    one = heated([0, 0, 1, 0, 0])
+    for goal, end in (((HOT(A),), True), ((contrary(HOT(A)),), False)):
+        for last in (Label.TRUE, Label.FALSE, Label.UNKNOWN):
+            values = one.values.copy()
+            values[-1, one.atoms.index(HOT(A))] = last
+            data = IndexedTable(table([HOT, DONE], [], [replace(one, values=values, goal=goal)]))
+            hot = data.predicates.index(HOT)
+            data = data.with_goals_reached({hot})
+            assert ((0,) in data.extension(0, 4, hot)) is end and not data.unknown(0, 4, hot)
+
+
+def test_of_a_goal_with_or_the_way_that_was_seen_is_evidence() -> None:
+    seen = replace(heated(RIGHT), goal=(HOT(B),), alternatives=((contrary(HOT(B)), HOT(A)),))
+    data = IndexedTable(table([HOT, DONE], [], [seen]))
+    assert data.demos[0].goal == ((data.predicates.index(HOT), (0,)),)
+    assert data.demos[0].denied == ((data.predicates.index(HOT), (1,)),)
 
 
 def test_an_unknown_label_says_nothing() -> None:

@@ -6,6 +6,7 @@ import copy
 import gzip
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,8 @@ from hypothesis import strategies as st
 
 from learning.random_tables import POOL, SKILLS, TYPES, random_table
 from pix2pred.learning import Traces, TracesError, dump_traces, load_traces
-from pix2pred.structs import Label, LabelledDemo, TruthTable, Vocabulary
+from pix2pred.structs import Atom, Label, LabelledDemo, TruthTable, Vocabulary
+from pix2pred.structs.goals.opposites import contrary
 
 WORKLOAD = Path(__file__).parents[1] / "data" / "workloads" / "more_stacks_n100_noise2.json.gz"
 
@@ -124,6 +126,21 @@ def test_round_trip_of_random_tables_keeps_every_label(tmp_path_factory: pytest.
     for value in (Label.TRUE, Label.UNKNOWN):
         assert [_where(d, value) for d in again.demos] == [_where(d, value) for d in demos]
     assert [[str(a) for a in d.actions] for d in again.demos] == [[str(a) for a in d.actions] for d in demos]
+
+
+def test_goals_with_not_and_or_are_kept(tmp_path: Path) -> None:
+    source = random_table(5, 0.0)
+    predicate = source.initial[0]
+    first = source.demos[0]
+    atom = Atom(predicate, first.objects[: predicate.arity])
+    several = replace(first, goal=(contrary(atom),), alternatives=((), (atom,)))
+    path = tmp_path / "t.json"
+    path.write_text(dump_traces(Vocabulary("v", TYPES, SKILLS, source.initial), replace(source, demos=(several,)), {}))
+    (again,) = load_traces(path).table.demos
+    assert [[*map(str, g)] for g in again.goals] == [[*map(str, g)] for g in several.goals]
+    path.write_text(path.read_text().replace('["not ', '["not no'))
+    with pytest.raises(TracesError, match=r"goal\[0\]: predicate 'no"):
+        load_traces(path)
 
 
 def _where(demo: LabelledDemo, value: int) -> list[set[str]]:

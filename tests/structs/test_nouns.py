@@ -178,7 +178,7 @@ def test_where_values_come_from_is_no_part_of_a_predicate() -> None:
     ["not In(ice, glass)", "not(In(ice, glass))", "(not (In ice glass))", "!In(a)", "¬In(a)", "NOT In(a, b)"],
 )
 def test_negated_atoms_are_named_as_such(text: str) -> None:
-    with pytest.raises(ValueError, match="is negated, and only the goal of a task may say what must not hold"):
+    with pytest.raises(ValueError, match="is negated, and only goals may say what must not hold"):
         parse_application(text)
 
 

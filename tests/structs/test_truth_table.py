@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 from pix2pred.structs import (
     Action,
+    Atom,
     Candidate,
     FromDomain,
     FromVLM,
@@ -21,6 +24,7 @@ from pix2pred.structs import (
     Type,
     unknown_as_false,
 )
+from pix2pred.structs.goals.opposites import contrary
 
 CUP = Type("cup")
 A, B = Object("a", CUP), Object("b", CUP)
@@ -49,6 +53,21 @@ def test_restriction_keeps_the_columns_of_the_predicates() -> None:
     assert kept.values.tolist() == [[Label.UNKNOWN, Label.FALSE], [Label.TRUE, Label.FALSE]]
     assert (kept.objects, kept.actions, kept.goal) == ((A, B), (WAIT,), (ON(A, B),))
     assert labelled().restricted([]).values.shape == (2, 0)
+
+
+def reached(*goals: tuple[Atom, ...]) -> tuple[Atom, ...]:
+    """Of ``goals`` the one that was demonstrated, by a last state where ``HOT(A)`` is true and ``FULL(A)`` unknown."""
+    return replace(labelled(), goal=goals[0], alternatives=goals[1:]).reached
+
+
+def test_of_several_goals_the_one_that_the_last_state_contradicts_least_was_demonstrated() -> None:
+    assert reached((HOT(B),)) == (HOT(B),), "whatever is said of the only one"
+    assert reached((HOT(B),), (HOT(A),)) == (HOT(A),)
+    assert reached((HOT(B),), (FULL(A),)) == (FULL(A),), "unknown is less than false"
+    assert reached((FULL(A),), (HOT(A), contrary(HOT(B)))) == (HOT(A), contrary(HOT(B)))
+    assert reached((contrary(HOT(A)),), (contrary(ON(A, B)),)) == (contrary(ON(A, B)),)
+    assert reached((ON(A, B),), (HOT(B), FULL(B))) == (HOT(B), FULL(B)), "what is given weighs more than labels"
+    assert reached((HOT(B),), (FULL(B),)) == (HOT(B),), "the first of equals"
 
 
 @given(st.sets(st.sampled_from([ON, HOT, FULL])))

@@ -137,5 +137,5 @@ def _write_pddl(directory: Path, traces: Traces, selection: Selection) -> None:
     write_whole(directory / "domain.pddl", write_domain(model).encode())
     for demo in traces.table.demos:
         initial = demo.restricted(model.predicates).abstract_states()[0]
-        text = write_problem(model, demo.name, demo.objects, initial, demo.goal)
+        text = write_problem(model, demo.name, demo.objects, initial, *demo.goals)
         write_whole(directory / f"{demo.name}.pddl", text.encode())

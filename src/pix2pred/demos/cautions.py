@@ -15,6 +15,7 @@ from pix2pred.demos.files.yaml_lines import Loc
 from pix2pred.demos.read import Project, StoredTask
 from pix2pred.structs import Atom, Demo, FromDomain, FromFeatures, FromHuman, FromOpposite, FromSkills, FromVLM, State
 from pix2pred.structs.expressions import ExpressionError, evaluate, parse_expression
+from pix2pred.structs.goals.opposites import contrary
 
 
 def cautions(directory: Path, project: Project, declared: Declared, tasks: Sequence[StoredTask]) -> list[Problem]:
@@ -49,7 +50,7 @@ def _skills(directory: Path, project: Project) -> Iterator[Problem]:
 def _objects(directory: Path, project: Project, declared: Declared, tasks: Sequence[StoredTask]) -> Iterator[Problem]:
     """Objects that nothing is done with: they cost queries, and the model is asked about them for nothing."""
     used = {o for demo in project.demos for a in demo.actions for o in a.objects}
-    used |= {o for demo in project.demos for atom in demo.goal for o in atom.objects}
+    used |= {o for demo in project.demos for goal in demo.goals for atom in goal for o in atom.objects}
     listed = {o for demo in project.demos for o in demo.objects}
     wanted = {o for stored in tasks for o in stored.task.objects}
     lines = _Lines(directory / DOMAIN, directory, DomainDoc)
@@ -85,7 +86,7 @@ def _demo(directory: Path, demo: Demo, project: Project) -> Iterator[Problem]:
     if not any(state.pictures for state in demo.states):
         where = f"{IMAGES}/0/main.jpg"
         yield lines.problem(("states",), f"no state has a picture: put the photo of the first at {where}, and so on")
-    if demo.goal and all(_at_start(atom, demo.states[0]) for atom in demo.goal):
+    if any(goal and all(_at_start(atom, demo.states[0]) for atom in goal) for goal in demo.goals):
         yield lines.problem(("goal",), "the goal already holds at the start: nothing is demonstrated")
     for loc, message in contradictions(demo, project.vocabulary.initial):
         yield lines.problem(loc, message)
@@ -103,7 +104,9 @@ def _at_start(atom: Atom, state: State) -> bool:
                 return evaluate(parse_expression(expression), state, atom.objects)
             except ExpressionError:
                 return False
-        case FromVLM() | FromOpposite():
+        case FromOpposite(of):
+            return isinstance(of.source, FromDomain | FromHuman) and contrary(atom) not in state.given
+        case FromVLM():
             return False
 
 

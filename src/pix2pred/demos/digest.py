@@ -35,6 +35,7 @@ def _demo(demo: Demo) -> dict[str, object]:
         "name": demo.name,
         "objects": [[o.name, o.type.name, o.descriptor] for o in sorted(demo.objects)],
         "goal": sorted(map(str, demo.goal)),
+        **({"alternatives": [sorted(map(str, goal)) for goal in demo.alternatives]} if demo.alternatives else {}),
         "actions": [str(a) for a in demo.actions],
         "states": [_state(s) for s in demo.states],
     }

@@ -24,7 +24,7 @@ from pix2pred.demos.files.folders import (
     refusal,
 )
 from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
-from pix2pred.demos.goals import check_features, check_goal
+from pix2pred.demos.goals import check_features, check_goals
 from pix2pred.demos.pictures import check_image_folders
 from pix2pred.demos.scenes import SceneReader
 from pix2pred.structs import Demo, Task, Vocabulary
@@ -142,16 +142,16 @@ def _read_demo(
         known = ", ".join(list(declared.objects)[:20])
         sheet.report(("objects",), f"to be filled in: the objects of this scene{f', of {known}' if known else ''}")
     objects = scene.objects(doc.objects)
-    goal = scene.atoms(("goal",), doc.goal)
+    goals = scene.goals(("goal",), doc.goal) or ((),)
     actions = scene.actions(("actions",), doc.actions)
     images = folder / IMAGES
     states = tuple(scene.state(("states", t), state, images / str(t)) for t, state in enumerate(doc.states))
     check_image_folders(images, len(doc.states), found)
     if len(found) > before or scene.incomplete:
         return None
-    check_goal(sheet, goal, states)
+    check_goals(sheet, goals, states)
     check_features(sheet, actions, states)
-    return Demo(folder.name, objects, states, actions, goal)
+    return Demo(folder.name, objects, states, actions, goals[0], goals[1:])
 
 
 def collect_tasks(

@@ -23,7 +23,7 @@ from pix2pred.structs.skills import FAILED
 _INSIDE = re.compile(r"([^\[\]]*?),?\s*(\[[^\[\]]*\])\s*\)\s*\Z")
 """An action whose parameters stand behind its objects, as the method's authors write them: ``pick(cup, hand, [])``."""
 
-_WORDS = re.compile(r"(?:^|[\s()])(?:[Nn]ot|NOT|and|or)(?=[\s(])|[!~\u00ac]")
+_WORDS = re.compile(r"(?:^|[\s()])(?:[Nn]ot|NOT|and|or)(?=[\s(]|\Z)|[!~\u00ac]")
 """A goal that is more than an atom."""
 
 

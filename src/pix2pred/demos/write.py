@@ -142,7 +142,7 @@ def _write_demo(folder: Path, demo: Demo, shared: Mapping[str, Object]) -> None:
         "format": DemoDoc.FORMAT,
         "version": VERSION,
         "objects": [o.name for o in demo.objects] if listed else _objects_doc(demo.objects),
-        "goal": [str(atom) for atom in demo.goal],
+        "goal": shown(demo.goals),
         "actions": [_action_text(action) for action in demo.actions],
         "states": states,
     }

@@ -54,7 +54,7 @@ class ClosedLoop:
     """
 
     plan_from: PlanFrom
-    goal: Sequence[Atom]
+    goals: Sequence[Sequence[Atom]]
     max_replans: int = MAX_REPLANS
 
     def run(
@@ -62,7 +62,7 @@ class ClosedLoop:
     ) -> ExecutionResult:
         """Execute ``plan``, made in the state that ``perception`` holds."""
         steps: list[ExecutedStep] = []
-        pursuit = Pursuit(self.plan_from, self.goal, plan, perception, self.max_replans, may_assume=True)
+        pursuit = Pursuit(self.plan_from, self.goals, plan, perception, self.max_replans, may_assume=True)
 
         def failed(how: StepStatus | None, why: str) -> ExecutionResult:
             last = steps[-1] if steps and steps[-1].status != StepStatus.DONE else None

@@ -11,7 +11,7 @@ from functools import partial
 
 from pix2pred.execution.explaining.missing import Missing, missing
 from pix2pred.execution.explaining.scene import PlannedScene, listed
-from pix2pred.execution.pursuit import GivenUpError, Pursuit
+from pix2pred.execution.pursuit import GivenUpError, Pursuit, that_of
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
 from pix2pred.structs.environment import StepStatus
@@ -52,8 +52,8 @@ class Guided:
         self.step: GroundOperator | None = None
         self.ended = ""
         self._pursuit = Pursuit(
-            partial(scene.solver.plan_from, scene.task),
-            scene.task.goal,
+            partial(scene.solver.plan_from, scene.asked),
+            that_of(scene.result, scene.asked.goals),
             scene.result.plan,
             scene.perception,
             may_assume=may_assume,
@@ -76,7 +76,7 @@ class Guided:
     @property
     def reached(self) -> bool:
         """Whether the goal holds in what was seen last."""
-        return self.seen.issuperset(self.scene.task.goal)
+        return any(self.seen.issuperset(goal) for goal in self.scene.asked.goals)
 
     @property
     def missing(self) -> tuple[Missing, ...]:

@@ -81,11 +81,12 @@ class Pursuit:
 
     ``position`` is the number of its steps executed, ``replans`` how often it was made anew. ``turn`` and ``because``
     say why the step that ``next`` gave last was chosen. ``may_assume`` lets a plan be tried that rests on what is
-    probably not so, when there is no other.
+    probably not so, when there is no other. Of ``goals``, which are as good, the first is that of ``plan``; a new plan
+    may be for another.
     """
 
     plan_from: PlanFrom
-    goal: Sequence[Atom]
+    goals: Sequence[Sequence[Atom]]
     plan: Sequence[GroundOperator]
     perception: Perception
     max_replans: int = MAX_REPLANS
@@ -94,6 +95,7 @@ class Pursuit:
     replans: int = 0
     turn: Turn = Turn.FOLLOWED
     because: tuple[Atom, ...] = ()
+    _goal: Sequence[Atom] | None = None
     _assumed: frozenset[Atom] = frozenset()
     _cautions: Counter[Atom] = field(default_factory=Counter)
     _failures: Counter[tuple[AbstractState, Action]] = field(default_factory=Counter)
@@ -131,7 +133,7 @@ class Pursuit:
 
     def _needed(self) -> AbstractState:
         """What must hold now for the rest of the plan to succeed."""
-        return necessary_atoms(self.plan, self.goal)[self.position]
+        return necessary_atoms(self.plan, self._goal or self.goals[0])[self.position]
 
     def _check(self, needed: AbstractState) -> None:
         """Ask about what the rest of the plan needs, or is there to bring about, where it is in doubt."""
@@ -170,9 +172,9 @@ class Pursuit:
             raise _stuck(exhausted)
         found = self._plan_from(self.perception.state)
         if found.status == PlanStatus.SOLVED:
-            self._adopt(found.plan, Turn.OTHERWISE if exhausted else Turn.PLANNED_AGAIN, lacking, ())
+            self._adopt(found, Turn.OTHERWISE if exhausted else Turn.PLANNED_AGAIN, lacking, ())
             return
-        nearest = nearest_plan(self._plan_from, self.goal, self.perception)
+        nearest = nearest_plan(self._plan_from, self.goals, self.perception)
         if nearest is None or (nearest.assumed and not self.may_assume):
             if exhausted:
                 raise _stuck(exhausted)
@@ -180,12 +182,10 @@ class Pursuit:
             why = f"no plan any more ({found.status}) after {missing} turned out not to hold"
             raise GivenUpError(GivingUp.NO_PLAN, why)
         turn = Turn.ASSUMED if nearest.assumed else Turn.PLANNED_AGAIN
-        self._adopt(nearest.plan, turn, nearest.assumed or lacking, nearest.assumed)
+        self._adopt(nearest.found, turn, nearest.assumed or lacking, nearest.assumed)
 
-    def _adopt(
-        self, plan: Sequence[GroundOperator], turn: Turn, because: Iterable[Atom], assumed: Iterable[Atom]
-    ) -> None:
-        self.plan, self.position, self.turn = plan, 0, turn
+    def _adopt(self, found: PlanResult, turn: Turn, because: Iterable[Atom], assumed: Iterable[Atom]) -> None:
+        self.plan, self._goal, self.position, self.turn = found.plan, found.goal, 0, turn
         self.because, self._assumed = tuple(sorted(because)), frozenset(assumed)
 
 
@@ -199,7 +199,7 @@ def _action(step: GroundOperator) -> Action:
 
 def safer_plan(
     plan_from: Callable[[AbstractState], PlanResult], perception: Perception, doubted: Sequence[Atom], length: int
-) -> Sequence[GroundOperator] | None:
+) -> PlanResult | None:
     """A plan that works even if the atoms ``doubted``, which probably hold, do not; None when it costs too much.
 
     It may be longer than the plan at hand, of ``length`` steps, by what that one risks: ``CAUTION`` times the
@@ -210,39 +210,45 @@ def safer_plan(
     found = plan_from(perception.state - set(doubted))
     risk = 1 - math.prod(perception.probability(a) for a in doubted)
     if found.status == PlanStatus.SOLVED and len(found.plan) <= length + CAUTION * risk:
-        return found.plan
+        return found
     return None
+
+
+def that_of(found: PlanResult, goals: Iterable[tuple[Atom, ...]]) -> list[tuple[Atom, ...]]:
+    """``goals``, the one that ``found`` was planned for first."""
+    return sorted(goals, key=lambda goal: goal != found.goal)
 
 
 @dataclass(frozen=True, slots=True)
 class NearestPlan:
     """A plan that exists if the atoms ``assumed``, which are taken for false, hold; none when the belief changed."""
 
-    plan: Sequence[GroundOperator]
+    found: PlanResult
     assumed: tuple[Atom, ...]
 
 
 def nearest_plan(
-    plan_from: Callable[[AbstractState], PlanResult], goal: Iterable[Atom], perception: Perception
+    plan_from: Callable[[AbstractState], PlanResult], goals: Sequence[Sequence[Atom]], perception: Perception
 ) -> NearestPlan | None:
     """A plan from the nearest state that has one, after what differs was asked about; None when there is none.
 
     Preconditions are positive, so that there is a plan from some state in doubt if and only if there is one from the
     state in which all atoms hold that may hold. Of these the probable ones are tried first. That the goal itself holds
     in part is assumed only if nothing else helps, and that it holds altogether never: there would be nothing to do.
+    Of several ``goals`` ``plan_from`` chooses.
     """
-    wanted = set(goal)
+    wanted = {atom for goal in goals for atom in goal}
     for assumable in ([a for a in perception.possible() if a not in wanted], perception.possible()):
-        nearest = _nearest_of(assumable, plan_from, wanted, perception)
+        nearest = _nearest_of(assumable, plan_from, goals[0], perception)
         if nearest is not None:
-            return nearest if nearest.plan or not nearest.assumed else None
+            return nearest if nearest.found.plan or not nearest.assumed else None
     return None
 
 
 def _nearest_of(
     possible: Sequence[Atom],
     plan_from: Callable[[AbstractState], PlanResult],
-    goal: Iterable[Atom],
+    goal: Sequence[Atom],
     perception: Perception,
 ) -> NearestPlan | None:
     """The same for states that differ in some of the atoms ``possible`` alone."""
@@ -252,11 +258,11 @@ def _nearest_of(
         found = plan_from(perception.state | set(possible[:count]))
         if found.status != PlanStatus.SOLVED:
             continue
-        rests_on = initial_needs(found.plan, goal)
+        rests_on = initial_needs(found.plan, found.goal or goal)
         differ = tuple(a for a in possible if a in rests_on)
         if perception.ask(differ, WhyAsked.NO_PLAN):
             again = plan_from(perception.state)
             if again.status == PlanStatus.SOLVED:
-                return NearestPlan(again.plan, ())
-        return NearestPlan(found.plan, tuple(a for a in differ if a not in perception.state))
+                return NearestPlan(again, ())
+        return NearestPlan(found, tuple(a for a in differ if a not in perception.state))
     return None

@@ -13,9 +13,9 @@ from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, 
 from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
 from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
-from pix2pred.execution.pursuit import nearest_plan, safer_plan
+from pix2pred.execution.pursuit import nearest_plan, safer_plan, that_of
 from pix2pred.planning import TaskPlanner
-from pix2pred.planning.alternatives import plan_for_any
+from pix2pred.planning.alternatives import Goal, best_way
 from pix2pred.predicates import StateLabeller
 from pix2pred.structs import (
     AbstractState,
@@ -57,7 +57,7 @@ class Solver:
     def plan(self, task: Task) -> tuple[AbstractState, PlanResult]:
         """What is seen of the initial state, and the plan made from it. Needs no simulator."""
         seen = self.perception(task).start(task.initial)
-        return seen, self.plan_from(self.aimed(task, seen), seen)
+        return seen, self.plan_from(task, seen)
 
     def solve(
         self, task: Task, environment: Environment, truth: TruthOf | None = None, announce: Announce = tell_nobody
@@ -68,12 +68,12 @@ class Solver:
         """
         environment.reset()
         perception = self.perception(task)
-        task = self.aimed(task, perception.start(task.initial))
+        perception.start(task.initial)
         result = self.first_plan(task, perception)
         seen = perception.state
         outcome = None
         if result.status == PlanStatus.SOLVED and self.closed_loop:
-            loop = ClosedLoop(partial(self.plan_from, task), task.goal)
+            loop = ClosedLoop(partial(self.plan_from, task), that_of(result, task.goals))
             outcome = loop.run(result.plan, perception, environment, self._parameters(task, announce))
         elif result.status == PlanStatus.SOLVED:
             outcome = open_loop(result.plan, environment, self._parameters(task, announce))
@@ -114,13 +114,6 @@ class Solver:
         """The learned operators, which change as well what the goals of ``task`` say must not hold."""
         return changing_denials(self.model.operators, denied_in(atom for goal in task.goals for atom in goal))
 
-    def aimed(self, task: Task, seen: AbstractState) -> Task:
-        """``task`` with one goal: of several that are as good the one that takes the fewest steps from ``seen``."""
-        if not task.alternatives:
-            return task
-        goal, _ = plan_for_any(self.planner, self.model.operators, task.objects, seen, task.goals)
-        return replace(task, goal=goal, alternatives=())
-
     def first_plan(self, task: Task, perception: Perception) -> PlanResult:
         """A plan from what ``perception`` holds, after the atoms in doubt that it rests on were asked about again.
 
@@ -128,28 +121,36 @@ class Solver:
         """
         found = self.plan_from(task, perception.state)
         if found.status == PlanStatus.SOLVED:
-            resting = initial_needs(found.plan, task.goal)
+            resting = initial_needs(found.plan, found.goal or task.goal)
             made = {atom for step in found.plan for atom in step.add} - perception.state
             if perception.ask(perception.doubts(resting | made), WhyAsked.IN_DOUBT):
                 found = self.plan_from(task, perception.state)
-            doubted = perception.doubts(initial_needs(found.plan, task.goal) & perception.state)
+            doubted = perception.doubts(initial_needs(found.plan, found.goal or task.goal) & perception.state)
             safer = safer_plan(partial(self.plan_from, task), perception, doubted, len(found.plan))
-            return found if safer is None else PlanResult(found.status, tuple(safer), found.nodes, found.seconds)
-        nearest = nearest_plan(partial(self.plan_from, task), task.goal, perception)
+            return found if safer is None else replace(safer, nodes=found.nodes, seconds=found.seconds)
+        nearest = nearest_plan(partial(self.plan_from, task), task.goals, perception)
         if nearest is None or (nearest.assumed and not self.closed_loop):
             return found
-        return PlanResult(PlanStatus.SOLVED, tuple(nearest.plan), found.nodes, found.seconds)
+        return replace(nearest.found, nodes=found.nodes, seconds=found.seconds)
 
     def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
         return Parameters.for_task(self.samplers, self.seed, task, announce)
 
     def plan_from(self, task: Task, seen: AbstractState, avoided: Collection[Action] = ()) -> PlanResult:
-        """A plan for ``task`` from the state ``seen``, without the actions ``avoided``."""
-        given = (self.operators(task), task.objects, seen, task.goal)
-        found = plan_avoiding(self.planner, *given, avoided) if avoided else self.planner.plan(*given)
-        if len(found.plan) > self.max_skills:
-            return PlanResult(PlanStatus.BUDGET, (), found.nodes, found.seconds)
-        return found
+        """A plan for ``task`` from the state ``seen``, without the actions ``avoided``.
+
+        Of several goals the one that takes the fewest steps is planned for.
+        """
+        operators = self.operators(task)
+
+        def plan(goal: Goal) -> PlanResult:
+            given = (operators, task.objects, seen, goal)
+            found = plan_avoiding(self.planner, *given, avoided) if avoided else self.planner.plan(*given)
+            if len(found.plan) > self.max_skills:
+                return PlanResult(PlanStatus.BUDGET, (), found.nodes, found.seconds)
+            return found
+
+        return best_way(task.goals, plan) if task.alternatives else plan(task.goal)
 
     def _diagnose(
         self,

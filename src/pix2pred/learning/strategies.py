@@ -24,6 +24,7 @@ from pix2pred.learning.selection.published_rules import ImprovementStop, LevelSt
 from pix2pred.learning.selection.stopping_rule import StoppingRule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Operator, Predicate, TruthTable
+from pix2pred.system.garbage import seldom_collected
 
 if TYPE_CHECKING:  # the settings know the names in these tables
     from pix2pred.learning.settings import LearningSettings
@@ -74,6 +75,7 @@ def climbing(settings: LearningSettings, map_: Map = map) -> HillClimbing:
     )
 
 
+@seldom_collected()
 def hill_climbing(
     table: TruthTable, settings: LearningSettings, map_: Map = map, pinned: Sequence[Predicate] = ()
 ) -> Climb:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pix2pred.structs import (
     Action,
+    Atom,
     Candidate,
     Label,
     LabelledDemo,
@@ -27,6 +28,7 @@ from pix2pred.structs import (
     groundings,
     unknown_as_false,
 )
+from pix2pred.structs.goals.opposites import contrary, is_denial
 from pix2pred.structs.skills import FAILED
 
 ObjectIds = tuple[int, ...]
@@ -48,12 +50,16 @@ class Transition:
 
 @dataclass(frozen=True, slots=True)
 class IndexedDemo:
-    """A demonstration's objects, goal atoms and length in states, and how many of its steps failed."""
+    """A demonstration's objects, goal atoms and length in states, and how many of its steps failed.
+
+    ``denied`` are the atoms of which its goal says that they must not hold.
+    """
 
     objects: ObjectIds
     goal: tuple[tuple[int, ObjectIds], ...]
     states: int
     failed: int = 0
+    denied: tuple[tuple[int, ObjectIds], ...] = ()
 
 
 class IndexedTable:
@@ -136,14 +142,14 @@ class IndexedTable:
         """The same, with the goals of demonstrations true in their last states as far as they are about ``predicates``:
         a demonstration reaches its goal by definition (method 1.4), whatever its last labels say."""
         reached: dict[int, list[list[Extension]]] = {}
-        for p in sorted({p for demo in self.demos for p, _ in demo.goal if p in predicates}):
+        for p in sorted({p for demo in self.demos for p, _ in (*demo.goal, *demo.denied) if p in predicates}):
             values = [[self.extension(d, s, p) for s in range(demo.states)] for d, demo in enumerate(self.demos)]
             for d, demo in enumerate(self.demos):
-                values[d][-1] |= {args for q, args in demo.goal if q == p}
+                values[d][-1] = (values[d][-1] | _about(p, demo.goal)) - _about(p, demo.denied)
             reached[p] = values
         new = self.relabelled(reached)
         new._unknown = [
-            [*states[:-1], {p: args.difference(a for q, a in demo.goal if q == p) for p, args in states[-1].items()}]
+            [*states[:-1], {p: args - _about(p, demo.goal) - _about(p, demo.denied) for p, args in states[-1].items()}]
             for states, demo in zip(self._unknown, self.demos, strict=True)
         ]
         return new
@@ -213,10 +219,15 @@ class IndexedTable:
 
     def _read_demo(self, demo: LabelledDemo) -> IndexedDemo:
         objects = tuple(sorted(self._object_ids[o] for o in demo.objects))
-        goal = tuple(
-            (self._predicate_ids[a.predicate], tuple(self._object_ids[o] for o in a.objects)) for a in demo.goal
-        )
-        return IndexedDemo(objects, goal, len(demo.actions) + 1, sum(action.failed for action in demo.actions))
+        reached = demo.reached
+
+        def numbered(atoms: Iterable[Atom]) -> tuple[tuple[int, ObjectIds], ...]:
+            places = ((a.predicate, a.objects) for a in atoms)
+            return tuple([(self._predicate_ids[p], tuple([self._object_ids[o] for o in args])) for p, args in places])
+
+        goal = numbered(a for a in reached if not is_denial(a))
+        denied = numbered(contrary(a) for a in reached if is_denial(a))
+        return IndexedDemo(objects, goal, len(demo.actions) + 1, sum(action.failed for action in demo.actions), denied)
 
     def _read_transitions(self, demos: Sequence[LabelledDemo]) -> list[Transition]:
         skill_ids = {s: i for i, s in enumerate(self.skills)}
@@ -225,6 +236,11 @@ class IndexedTable:
             for d, demo in enumerate(demos)
             for step, action in enumerate(demo.actions)
         ]
+
+
+def _about(predicate: int, atoms: Iterable[tuple[int, ObjectIds]]) -> Extension:
+    """The argument tuples of ``predicate`` among ``atoms``."""
+    return frozenset(args for p, args in atoms if p == predicate)
 
 
 def _skill(action: Action) -> Skill:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 from pix2pred.planning.planner import TaskPlanner
 from pix2pred.structs import AbstractState, Atom, Object, Operator, PlanResult, PlanStatus
@@ -17,18 +18,25 @@ def plan_for_any(
     objects: Iterable[Object],
     initial: AbstractState,
     goals: Sequence[Goal],
-) -> tuple[Goal, PlanResult]:
-    """The goal of ``goals`` that takes the fewest steps, the first of such, and its plan.
+) -> PlanResult:
+    """The plan for one of ``goals``, as ``best_way`` chooses.
 
-    Each is planned for by itself. Where none has a plan, it is the first of which it is not certain that there is none.
     The steps of the plan say what becomes of the opposites of atoms that the goals mention.
     """
     there = list(objects)
     denied = denied_in(atom for goal in goals for atom in goal)
     changing = changing_denials(operators, denied)
     state = with_denials(initial, denied, there)
-    found = [(goal, planner.plan(changing, there, state, goal)) for goal in goals]
-    solved = [f for f in found if f[1].status == PlanStatus.SOLVED]
+    return best_way(goals, lambda goal: planner.plan(changing, there, state, goal))
+
+
+def best_way(goals: Sequence[Goal], plan: Callable[[Goal], PlanResult]) -> PlanResult:
+    """Of the plans for ``goals`` the one with the fewest steps, the first of such.
+
+    Where there is no plan, the outcome for the first goal of which it is not certain that it has none.
+    """
+    found = [replace(plan(goal), goal=goal) for goal in goals]
+    solved = [f for f in found if f.status == PlanStatus.SOLVED]
     if solved:
-        return min(solved, key=lambda f: len(f[1].plan))
-    return next((f for f in found if f[1].status != PlanStatus.UNSOLVABLE), found[0])
+        return min(solved, key=lambda f: len(f.plan))
+    return next((f for f in found if f.status != PlanStatus.UNSOLVABLE), found[0])

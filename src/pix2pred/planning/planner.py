@@ -10,6 +10,7 @@ from typing import Protocol
 from pix2pred.planning.grounding import DEFAULT_BUDGET, GroundingBudgetError, ground
 from pix2pred.planning.search.search import Search
 from pix2pred.structs import AbstractState, Atom, Object, Operator, PlanResult, PlanStatus
+from pix2pred.system.garbage import seldom_collected
 
 
 class TaskPlanner(Protocol):
@@ -33,6 +34,7 @@ class Planner:
     max_operators: int = DEFAULT_BUDGET
     distinct: bool = True
 
+    @seldom_collected()
     def plan(
         self, operators: Sequence[Operator], objects: Iterable[Object], initial: AbstractState, goal: Iterable[Atom]
     ) -> PlanResult:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from pix2pred.structs import FromFeatures, GroundOperator, LabelledDemo, LiftedAtom, Operator, Predicate, WorldModel
 from pix2pred.structs.expressions import in_words, parse_expression
+from pix2pred.structs.goals.opposites import affirmed, is_denial
 from pix2pred.structs.plans import changes
 
 _MADE = {True: "becomes true", False: "becomes false"}
@@ -73,14 +74,15 @@ def _of_selection(model: WorldModel, climbed: Climbed, *, useful: bool) -> Itera
 
 
 def _of_goals(model: WorldModel, demos: Sequence[LabelledDemo]) -> Iterable[Concern]:
-    wanted = sorted({atom.predicate.name for demo in demos for atom in demo.goal})
-    added = {atom.predicate.name for op in model.operators for atom in op.add}
-    for name in wanted:
-        if name not in added:
-            yield Concern(
-                f"No operator makes {name} true, which the goals of the demonstrations ask for.",
-                "Look at its values in the report: it has to become true after a skill, in several demonstrations.",
-            )
+    wanted = {(affirmed(a).predicate.name, not is_denial(a)) for demo in demos for a in demo.reached}
+    made = {(a.predicate.name, True) for op in model.operators for a in op.add}
+    made |= {(a.predicate.name, False) for op in model.operators for a in op.delete}
+    for name, value in sorted(wanted - made):
+        yield Concern(
+            f"No operator makes {name} {str(value).lower()}, which the goals of the demonstrations ask for.",
+            f"Look at its values in the report: it has to become {str(value).lower()} after a skill, in several "
+            "demonstrations.",
+        )
 
 
 def _of_operators(model: WorldModel, demos: Sequence[LabelledDemo]) -> Iterable[Concern]:

@@ -28,7 +28,8 @@ class Demo:
     """A demonstration: what was there, what was done, and how it looked.
 
     The state with number t + 1 is seen after the action with number t, so that there is one state more than there are
-    actions; ``goal`` holds in the last one. Raises ``ValueError`` for other numbers.
+    actions. In the last one ``goal`` holds, a conjunction of atoms, of which some may say what must not hold, or one of
+    ``alternatives``, goals like it. Raises ``ValueError`` for other numbers.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Demo:
     states: tuple[State, ...]
     actions: tuple[Action, ...]
     goal: tuple[Atom, ...]
+    alternatives: tuple[tuple[Atom, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.states) != len(self.actions) + 1:
@@ -43,6 +45,11 @@ class Demo:
                 f"demonstration {self.name}: {len(self.actions)} actions need {len(self.actions) + 1} states, "
                 f"found {len(self.states)}"
             )
+
+    @property
+    def goals(self) -> tuple[tuple[Atom, ...], ...]:
+        """All conjunctions of which one holds in the last state."""
+        return (self.goal, *self.alternatives)
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,13 +31,15 @@ class PlanStatus(StrEnum):
 class PlanResult:
     """The outcome of planning; ``nodes`` counts created search nodes (``None``: an external planner does not tell).
 
-    ``seconds`` is wall time; it decides nothing except an external planner's TIMEOUT.
+    ``seconds`` is wall time; it decides nothing except an external planner's TIMEOUT. ``goal`` is the one that was
+    planned for, where a task has several.
     """
 
     status: PlanStatus
     plan: tuple[GroundOperator, ...]
     nodes: int | None
     seconds: float
+    goal: tuple[Atom, ...] | None = None
 
 
 class Failure(StrEnum):

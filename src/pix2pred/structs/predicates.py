@@ -178,7 +178,7 @@ def parse_application(text: str) -> Application:
     match = _APPLICATION.match(text)
     if _NEGATED.match(text):
         raise ValueError(
-            f"{text!r} is negated, and only the goal of a task may say what must not hold: declare a predicate that "
+            f"{text!r} is negated, and only goals may say what must not hold: declare a predicate that "
             "says the opposite, such as Outside for 'not In', and write that"
         )
     if match is None:

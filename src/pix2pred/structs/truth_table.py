@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
 from typing import Literal
@@ -11,8 +11,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pix2pred.structs.goals.opposites import contrary, is_denial
 from pix2pred.structs.objects import Object
-from pix2pred.structs.predicates import Atom, Predicate
+from pix2pred.structs.predicates import Atom, FromVLM, Predicate
 from pix2pred.structs.skills import Action
 from pix2pred.structs.states import AbstractState
 
@@ -57,7 +58,7 @@ class LabelledDemo:
     """A demonstration with symbols in place of pictures.
 
     ``values`` has a row for every state and a column for each of ``atoms``, one byte each; ``confidence``, where known,
-    has the same shape and holds probabilities of the values.
+    has the same shape and holds probabilities of the values. ``alternatives`` are goals that are as good as ``goal``.
     """
 
     name: str
@@ -67,6 +68,7 @@ class LabelledDemo:
     atoms: tuple[Atom, ...]
     values: Values
     confidence: Confidence | None = None
+    alternatives: tuple[tuple[Atom, ...], ...] = ()
 
     def __post_init__(self) -> None:
         expected = (len(self.actions) + 1, len(self.atoms))
@@ -83,20 +85,52 @@ class LabelledDemo:
         """The same demonstration with the atoms of ``predicates`` only."""
         kept = set(predicates)
         columns = [i for i, atom in enumerate(self.atoms) if atom.predicate in kept]
-        return LabelledDemo(
-            self.name, self.objects, self.actions, self.goal,
-            tuple(self.atoms[i] for i in columns), self.values[:, columns],
-            None if self.confidence is None else self.confidence[:, columns],
-        )  # fmt: skip
+        return replace(
+            self,
+            atoms=tuple(self.atoms[i] for i in columns),
+            values=self.values[:, columns],
+            confidence=None if self.confidence is None else self.confidence[:, columns],
+        )
+
+    @property
+    def goals(self) -> tuple[tuple[Atom, ...], ...]:
+        """All conjunctions of which one holds in the last state."""
+        return (self.goal, *self.alternatives)
+
+    @property
+    def reached(self) -> tuple[Atom, ...]:
+        """The goal that was demonstrated: of several the first of those that the last state contradicts least.
+
+        What is given counts more than any number of labels of a model, and a false one more than unknown ones.
+        """
+        if not self.alternatives:
+            return self.goal  # whatever is said of it
+        last = dict(zip(self.atoms, map(Label, self.values[-1].tolist()), strict=True))
+        return min(self.goals, key=lambda goal: _contradictions(goal, last))
 
     def __eq__(self, other: object) -> bool:
         return (
             isinstance(other, LabelledDemo)
-            and (self.name, self.objects, self.actions, self.goal, self.atoms)
-            == (other.name, other.objects, other.actions, other.goal, other.atoms)
+            and (self.name, self.objects, self.actions, self.goal, self.alternatives, self.atoms)
+            == (other.name, other.objects, other.actions, other.goal, other.alternatives, other.atoms)
             and np.array_equal(self.values, other.values)
             and _same(self.confidence, other.confidence)
         )
+
+
+def _contradictions(goal: Iterable[Atom], last: Mapping[Atom, Label]) -> tuple[int, int, int]:
+    """How many atoms of ``goal`` do not hold by what is given, and by labels, and of how many nobody knows."""
+    certain = labelled = unknown = 0
+    for atom in goal:
+        wanted = Label.FALSE if is_denial(atom) else Label.TRUE
+        said = contrary(atom) if is_denial(atom) else atom
+        value = last.get(said, Label.FALSE)
+        if value is Label.UNKNOWN:
+            unknown += 1
+        elif value is not wanted:
+            seen = isinstance(said.predicate.source, FromVLM)
+            labelled, certain = labelled + seen, certain + (not seen)
+    return certain, labelled, unknown
 
 
 def _same(one: Confidence | None, other: Confidence | None) -> bool:

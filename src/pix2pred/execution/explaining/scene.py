@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from pix2pred.execution.belief.perception import Believing, Perception
@@ -19,7 +19,9 @@ from pix2pred.structs import AbstractState, Atom, FromDomain, FromHuman, PlanRes
 
 @dataclass(frozen=True)
 class PlannedScene:
-    """What was seen of a task's initial state and the plan made from it.
+    """What was seen of the initial state of the task ``asked``, and the plan made from it.
+
+    ``task`` is that one with the goal that was planned for.
 
     ``labels`` are the model's answers; ``perception`` holds what is believed, and goes on
     from here when somebody executes the plan. ``believed`` are the probabilities of the visual atoms when the plan was
@@ -27,6 +29,7 @@ class PlannedScene:
     """
 
     solver: Solver
+    asked: Task
     task: Task
     perception: Perception
     labels: StateLabels
@@ -93,10 +96,11 @@ def said(labels: StateLabels) -> dict[Atom, str]:
 def plan_scene(solver: Solver, task: Task) -> PlannedScene:
     """Label the photos of ``task``, and plan. Raises ``UnusableAnswersError`` when the model labels nothing."""
     perception = solver.perception(task, otherwise=Believing())
-    task = solver.aimed(task, perception.start(task.initial))
+    perception.start(task.initial)
     result = solver.first_plan(task, perception)
+    aimed = task if result.goal is None else replace(task, goal=result.goal, alternatives=())
     believed = {atom: perception.probability(atom) for atom in perception.labels.values}
-    return PlannedScene(solver, task, perception, perception.labels, perception.state, result, believed)
+    return PlannedScene(solver, task, aimed, perception, perception.labels, perception.state, result, believed)
 
 
 def listed(atoms: Iterable[Atom]) -> frozenset[Atom]:

@@ -18,6 +18,7 @@ from pix2pred.learning.operators.transition_class import Lifted, OperatorSchema,
 from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.planning import Strips, ground
 from pix2pred.structs import Atom, Type
+from pix2pred.structs.goals.opposites import changing_denials, contrary, with_denials
 
 MAX_INSTANCES = 20_000
 """Operators with more instances over a demonstration's objects are grounded by reachability."""
@@ -32,10 +33,15 @@ class _Grounding:
 
 
 class SharedGroundings:
-    """Objects of given types, numbered from 0, with one numbering of their facts and remembered groundings."""
+    """Objects of given types, numbered from 0, with one numbering of their facts and remembered groundings.
 
-    def __init__(self, types: Sequence[Type]) -> None:
+    Operators also change the opposites of the predicates ``denied`` (``structs.goals.opposites``); the opposite of the
+    predicate with number p has the number ``~p``.
+    """
+
+    def __init__(self, types: Sequence[Type], denied: frozenset[int] = frozenset()) -> None:
         self.types = types
+        self._denied = denied
         self.atoms: list[tuple[int, ...]] = []
         self._of_type: dict[Type, list[int]] = {}
         self._bit: dict[tuple[int, ObjectIds], int] = {}
@@ -74,9 +80,13 @@ class SharedGroundings:
         cls = schema.cls
         if id(cls) not in self._effects:
             bindings = tuple(_injections([self._domain(t) for t in cls.types], ()))
-            bits = tuple((0, self._lifted(cls.add, b), self._lifted(cls.delete, b)) for b in bindings)
+            add, delete = (*cls.add, *self._opposites(cls.delete)), (*cls.delete, *self._opposites(cls.add))
+            bits = tuple((0, self._lifted(add, b), self._lifted(delete, b)) for b in bindings)
             self._effects[id(cls)] = (cls, _Grounding(bindings, bits))  # keeps the class alive, so its id stays its own
         return self._effects[id(cls)][1]
+
+    def _opposites(self, atoms: Sequence[Lifted]) -> tuple[Lifted, ...]:
+        return tuple([(~predicate, variables) for predicate, variables in atoms if predicate in self._denied])
 
     def _domain(self, t: Type) -> list[int]:
         if t not in self._of_type:
@@ -102,11 +112,15 @@ def _injections(domains: Sequence[Sequence[int]], chosen: ObjectIds) -> Iterator
 
 @dataclass(frozen=True, slots=True)
 class _NumberedDemo:
-    """A demonstration in the numbering of its ``groundings``; ``facts`` remembers by predicate what holds at first."""
+    """A demonstration in the numbering of its ``groundings``; ``facts`` remembers by predicate what holds at first.
+
+    ``absent`` are the opposites in ``goal`` that hold at first.
+    """
 
     groundings: SharedGroundings
     numbers: dict[int, int]
     goal: int
+    absent: int
     facts: dict[int, int]
 
 
@@ -125,6 +139,7 @@ class DemoTasks:
 
     def __init__(self, data: IndexedTable) -> None:
         self._data = data
+        self._denied = frozenset(p for demo in data.demos for p, _ in demo.denied)
         groundings: dict[tuple[Type, ...], SharedGroundings] = {}
         self._demos = [self._number(d, groundings) for d in range(len(data.demos))]
 
@@ -141,7 +156,7 @@ class DemoTasks:
         if grounded is None:
             return self._reachable_task(of_set, d)
         instances, wanted = grounded
-        initial = 0
+        initial = demo.absent
         for p in of_set.predicates:
             initial |= demo.facts[p] if p in demo.facts else self._facts(demo, d, p)
         key = (shared, initial & (wanted | demo.goal), demo.goal)
@@ -158,12 +173,17 @@ class DemoTasks:
         first = {o: i for i, o in reversed(list(enumerate(acted)))}
         ordered = sorted(demo.objects, key=lambda o: (data.objects[o].type.name, first.get(o, len(acted)), o))
         types = data.types(tuple(ordered))
-        shared = groundings.setdefault(types, SharedGroundings(types))
+        shared = groundings.setdefault(types, SharedGroundings(types, self._denied))
         numbers = {o: i for i, o in enumerate(ordered)}
         goal = 0
         for predicate, objects in demo.goal:
             goal |= shared.bit(predicate, tuple([numbers[o] for o in objects]))
-        return _NumberedDemo(shared, numbers, goal, {})
+        absent = 0
+        for predicate, objects in demo.denied:
+            fact = shared.bit(~predicate, tuple([numbers[o] for o in objects]))
+            goal |= fact
+            absent |= 0 if objects in data.extension(d, 0, predicate) else fact
+        return _NumberedDemo(shared, numbers, goal, absent, {})
 
     def _facts(self, demo: _NumberedDemo, d: int, predicate: int) -> int:
         """What holds of a predicate in the first state."""
@@ -180,10 +200,12 @@ class DemoTasks:
         def atom(predicate: int, objects: ObjectIds) -> Atom:
             return Atom(data.predicates[predicate], tuple(data.objects[o] for o in objects))
 
-        initial = frozenset(atom(p, objects) for p in of_set.predicates for objects in data.extension(d, 0, p))
-        named = [to_operator(data, schema) for schema in of_set.operators]
         objects = [data.objects[o] for o in demo.objects]
-        task = ground(named, objects, initial, [atom(*fact) for fact in demo.goal])
+        denied = frozenset(data.predicates[p] for p in self._denied)
+        initial = frozenset(atom(p, objects) for p in of_set.predicates for objects in data.extension(d, 0, p))
+        named = changing_denials([to_operator(data, schema) for schema in of_set.operators], denied)
+        goal = [*(atom(*fact) for fact in demo.goal), *(contrary(atom(*fact)) for fact in demo.denied)]
+        task = ground(named, objects, with_denials(initial, denied, objects), goal)
         reachable = zip(task.strips.pre, task.strips.add, task.strips.delete, strict=True)
         return relevant_task(tuple(reachable), task.strips.initial, task.strips.goal) if task.goal_reachable else None
 

@@ -16,6 +16,7 @@ from pix2pred.learning.selection.scored_sets import ScoredSets, SearchCounts
 from pix2pred.learning.selection.stopping_rule import Reconsidering, ScoredSet, StoppingRule
 from pix2pred.learning.transitions import IndexedTable
 from pix2pred.structs import Operator, Predicate, TruthTable
+from pix2pred.system.garbage import seldom_collected
 from pix2pred.system.progress import Progress, silent
 
 
@@ -70,6 +71,7 @@ class Climb:
         """What the learner made of the labels."""
         return self._model
 
+    @seldom_collected()
     def run(self, progress: Progress = silent) -> Selection:
         """Climb until the rule says to stop or nothing improves J; then learn the final operators."""
         start = self._sets.set_of(self._pinned)

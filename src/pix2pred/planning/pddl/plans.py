@@ -11,6 +11,7 @@ from pix2pred.planning.pddl.read import PddlDomain, PddlProblem
 from pix2pred.planning.pddl.steps import PddlStep
 from pix2pred.planning.planner import Planner
 from pix2pred.structs import PlanStatus
+from pix2pred.system.garbage import seldom_collected
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,7 @@ class PddlPlan:
     why: str = ""
 
 
+@seldom_collected()
 def solve_pddl(domain: PddlDomain, problem: PddlProblem, planner: Planner) -> PddlPlan:
     """Look for a plan with a search of ours. More ground operators than ``planner`` allows are the status BUDGET."""
     start = time.perf_counter()

@@ -28,6 +28,7 @@ from pix2pred.predicates.proposing.propose import (
     refuse_empty,
 )
 from pix2pred.structs import Candidate, Demo, FromVLM, Predicate, Skill, Type
+from pix2pred.structs.goals.opposites import affirmed
 from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm import VLM, Purpose, Request
 
@@ -125,7 +126,7 @@ def words_request(
 def told(demo: Demo, given: Iterable[Predicate] = ()) -> frozenset[Predicate]:
     """The predicates that need not be proposed: those ``given``, and what the demonstration's states and goal use."""
     of_states = (a.predicate for state in demo.states for a in state.given)
-    return frozenset((*given, *of_states, *(a.predicate for a in demo.goal)))
+    return frozenset((*given, *of_states, *(affirmed(a).predicate for goal in demo.goals for a in goal)))
 
 
 def read_words(

@@ -22,6 +22,7 @@ from pix2pred.structs import (
     count_groundings,
     groundings,
 )
+from pix2pred.structs.goals.opposites import holds
 from pix2pred.system.errors import Pix2predError
 from pix2pred.system.progress import Progress, Stage, silent
 
@@ -87,7 +88,8 @@ def _label_demo(
         else:
             values[:, i] = local_values(atom, demo.states, demo.actions)
     known = confidence if np.isfinite(confidence).any() else None
-    return LabelledDemo(demo.name, demo.objects, demo.actions, demo.goal, atoms, values, known), answers
+    one = LabelledDemo(demo.name, demo.objects, demo.actions, demo.goal, atoms, values, known, demo.alternatives)
+    return one, answers
 
 
 def goal_warnings(demos: Iterable[LabelledDemo]) -> list[str]:
@@ -95,8 +97,8 @@ def goal_warnings(demos: Iterable[LabelledDemo]) -> list[str]:
     warnings = []
     for demo in demos:
         states = demo.abstract_states()
-        missing = sorted(set(demo.goal) - states[-1])
-        early = next((t for t, state in enumerate(states[:-1]) if state.issuperset(demo.goal)), None)
+        missing = sorted(a for a in demo.reached if not holds([a], states[-1]))
+        early = next((t for t, state in enumerate(states[:-1]) for goal in demo.goals if holds(goal, state)), None)
         if missing:
             warnings.append(f"{demo.name}: goal atom {missing[0]} does not hold in the last state")
         elif early is not None:

@@ -11,6 +11,7 @@ from pix2pred.report.contents import Contents
 from pix2pred.report.pictures import Album
 from pix2pred.report.sections.attention import Suspicion
 from pix2pred.structs import Label, LabelledDemo, Predicate, TruthTable
+from pix2pred.structs.goals.words import shown as shown_goals
 from pix2pred.structs.predicates import FromVLM, source_name
 
 _LETTERS = {Label.TRUE: "1", Label.FALSE: "0", Label.UNKNOWN: "?"}
@@ -45,7 +46,7 @@ def tables(
             {
                 "name": demo.name,
                 "objects": [[o.name, o.type.name, descriptors.get(o.name, "")] for o in objects],
-                "goal": [str(a) for a in demo.goal],
+                "goal": shown_goals(demo.goals),
                 "actions": [{"text": str(a), "objects": [index[o] for o in a.objects]} for a in demo.actions],
                 "atoms": [[numbers[a.predicate], *(index[o] for o in a.objects)] for a in atoms],
                 "labels": [labels[a] for a in atoms],

@@ -21,7 +21,11 @@ from pix2pred.structs.formats.building import build_predicate, build_skill, buil
 from pix2pred.structs.formats.documents import Document, Name, ObjectDoc, PredicateDoc, SkillDoc, TypeDoc
 from pix2pred.structs.formats.names import DeclaredNames
 from pix2pred.structs.formats.writing import predicate_doc, skill_doc, type_doc
+from pix2pred.structs.goals.opposites import contrary
 from pix2pred.system.errors import Pix2predError
+
+NOT = "not "
+"""What stands before the name of a predicate in a goal of which an atom must not hold; names have no blanks."""
 
 MAX_BYTES = 1 << 30
 """Larger files, unpacked, are refused."""
@@ -43,7 +47,8 @@ class TraceDemoDoc(Document):
 
     name: Name | None = None
     objects: dict[str, Name]
-    goal: tuple[tuple[str, ...], ...]
+    goal: tuple[tuple[str, ...], ...] = Field(description="atoms; 'not NAME' says that one does not hold")
+    alternatives: tuple[tuple[tuple[str, ...], ...], ...] = Field((), description="goals that are as good")
     actions: tuple[tuple[str, ...], ...]
     states: tuple[tuple[tuple[str, ...], ...], ...]
     failed: tuple[int, ...] = Field((), description="numbers of the actions that failed, from 0")
@@ -165,10 +170,10 @@ class _Builder:
         if beyond := [i for i in doc.failed if not 0 <= i < len(actions)]:
             raise TracesError(f"{self._path}: {here}.failed: there is no action {beyond[0]}")
         actions = tuple(replace(a, failed=i in doc.failed) for i, a in enumerate(actions))
-        goal = tuple(self._atom(f"{here}.goal[{i}]", parts, objects) for i, parts in enumerate(doc.goal))
-        for i, atom in enumerate(goal):
-            if atom.predicate not in initial:
-                raise TracesError(f"{self._path}: {here}.goal[{i}]: {atom} is not over a given predicate")
+        goal = self._goal(f"{here}.goal", doc.goal, objects, initial)
+        alternatives = tuple(
+            self._goal(f"{here}.alternatives[{i}]", other, objects, initial) for i, other in enumerate(doc.alternatives)
+        )
         held = self._listed(f"{here}.states", doc.states, objects)
         unknown = self._listed(f"{here}.unknown", doc.unknown or ((),) * len(doc.states), objects)
         sure = [
@@ -189,11 +194,25 @@ class _Builder:
             name,
             tuple(sorted(objects.values())),
             actions,
-            tuple(sorted(goal)),
+            goal,
             atoms,
             values,
             confidence if sure else None,
+            alternatives,
         )  # fmt: skip
+
+    def _goal(
+        self, where: str, doc: Sequence[Sequence[str]], objects: Mapping[str, Object], given: Sequence[Predicate]
+    ) -> tuple[Atom, ...]:
+        goal = set()
+        for i, parts in enumerate(doc):
+            here = f"{where}[{i}]"
+            denied = bool(parts) and parts[0].startswith(NOT)
+            atom = self._atom(here, (parts[0].removeprefix(NOT), *parts[1:]) if denied else parts, objects)
+            if atom.predicate not in given:
+                raise TracesError(f"{self._path}: {here}: {atom} is not over a given predicate")
+            goal.add(contrary(atom) if denied else atom)
+        return tuple(sorted(goal))
 
     def _listed(
         self, where: str, states: Sequence[Sequence[Sequence[str]]], objects: Mapping[str, Object]
@@ -242,6 +261,7 @@ def _demo_doc(demo: LabelledDemo) -> dict[str, Any]:
         "name": demo.name,
         "objects": {o.name: o.type.name for o in demo.objects},
         "goal": [_parts(a) for a in demo.goal],
+        **({"alternatives": [[_parts(a) for a in goal] for goal in demo.alternatives]} if demo.alternatives else {}),
         "actions": [[a.skill.name, *(o.name for o in a.objects)] for a in demo.actions],
         "states": rows(Label.TRUE),
     }

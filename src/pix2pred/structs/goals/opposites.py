@@ -27,6 +27,11 @@ def contrary(atom: Atom) -> Atom:
     return Atom(opposite(atom.predicate), atom.objects)
 
 
+def affirmed(atom: Atom) -> Atom:
+    """What ``atom`` is about: the atom that must not hold, where it says that one must not, else itself."""
+    return contrary(atom) if is_denial(atom) else atom
+
+
 def is_denial(atom: Atom | LiftedAtom) -> bool:
     """Whether ``atom`` says that something does not hold."""
     return isinstance(atom.predicate.source, FromOpposite)
@@ -35,6 +40,11 @@ def is_denial(atom: Atom | LiftedAtom) -> bool:
 def denied_in(goal: Iterable[Atom]) -> frozenset[Predicate]:
     """The predicates of which ``goal`` says that an atom must not hold."""
     return frozenset(a.predicate.source.of for a in goal if isinstance(a.predicate.source, FromOpposite))
+
+
+def holds(goal: Iterable[Atom], state: AbstractState) -> bool:
+    """Whether ``goal`` holds in ``state``, which lists no opposites."""
+    return all(contrary(a) not in state if is_denial(a) else a in state for a in goal)
 
 
 def with_denials(state: AbstractState, denied: Iterable[Predicate], objects: Iterable[Object]) -> AbstractState:

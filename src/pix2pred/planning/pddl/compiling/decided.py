@@ -34,6 +34,19 @@ class GroundRule:
 
 
 @dataclass(frozen=True, slots=True)
+class PlacedLiteral:
+    """A literal whose terms are places in an instance of a schema."""
+
+    predicate: int
+    places: tuple[int, ...]
+    positive: bool
+
+    def fact(self, binding: Sequence[int]) -> Fact:
+        """The fact that it is about in the instance with these objects."""
+        return (self.predicate, *[binding[i] for i in self.places])
+
+
+@dataclass(frozen=True, slots=True)
 class DecidedChanges:
     """Names of the predicates that actions change, of those that actions make false, and of the derived ones."""
 
@@ -69,9 +82,32 @@ class Decider:
             return True
         return fact[0] not in self._deleted and fact in self._initial
 
-    def alternatives(self, formulas: Iterable[Formula], env: Mapping[str, int]) -> list[Conjunction]:
-        """Conjunctions of which one holds exactly when all ``formulas`` hold; none when that is impossible."""
-        certain: set[GroundLiteral] = set()
+    def placed(self, formula: Formula, names: Sequence[str]) -> PlacedLiteral | None:
+        """A literal whose terms are all among the ``names`` of a schema; ``None`` for any other formula."""
+        if not isinstance(formula, Literal) or not set(formula.terms) <= set(names):
+            return None
+        places = tuple(names.index(t) for t in formula.terms)
+        return PlacedLiteral(self._numbers.predicate(formula.predicate), places, formula.positive)
+
+    def left_of(self, literals: Iterable[PlacedLiteral], binding: Sequence[int]) -> Conjunction | None:
+        """What of ``literals`` has to hold for the objects of ``binding``; ``None`` when they never all do."""
+        needed: list[GroundLiteral] = []
+        for literal in literals:
+            fact = literal.fact(binding)
+            if not self.never_changes(fact):
+                needed.append((fact, literal.positive))
+            elif (fact in self._initial) != literal.positive:
+                return None
+        return frozenset(needed)
+
+    def alternatives(
+        self, formulas: Iterable[Formula], env: Mapping[str, int], besides: Conjunction = NOTHING_NEEDED
+    ) -> list[Conjunction]:
+        """Conjunctions of which one holds exactly when all ``formulas`` hold and what is to hold ``besides``.
+
+        None when that is impossible.
+        """
+        certain = set(besides)
         choices: list[list[Conjunction]] = []
         for formula in formulas:
             found = self._decided(formula, env)

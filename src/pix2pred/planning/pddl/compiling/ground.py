@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from pix2pred.planning.grounding import DEFAULT_BUDGET
 from pix2pred.planning.instances import Instances
-from pix2pred.planning.pddl.compiling.decided import DecidedChanges, Decider, GroundRule
+from pix2pred.planning.pddl.compiling.decided import NOTHING_NEEDED, DecidedChanges, Decider, GroundRule
 from pix2pred.planning.pddl.compiling.layout import GroundEffect, GroundOperation, operation, task_of
 from pix2pred.planning.pddl.compiling.schemas import Numbers, SplitSchema, nothing, split
 from pix2pred.planning.pddl.formulas import TRUE, DerivedPredicate, Effect, FunctionValue, Literal, PddlAction
@@ -142,19 +142,28 @@ class _PddlGrounder:
         self, made: _ActionSplit, decider: Decider, bindings: Bindings
     ) -> Iterator[tuple[PddlStep, GroundOperation]]:
         special = self._special_effects(made, decider, bindings)
-        for binding, env in zip(bindings[made.number], self._environments(made.number, bindings), strict=True):
+        names, objects = made.split.names, self._numbers.objects
+        plain = [placed for literal in made.plain if (placed := decider.placed(literal, names))]
+        assert len(plain) == len(made.plain), "effects have no terms but parameters and constants"
+        literals = [placed for part in made.split.rest if (placed := decider.placed(part, names))]
+        others = [part for part in made.split.rest if decider.placed(part, names) is None]
+        only_positive = not others and all(literal.positive for literal in literals)
+        parameters = [names.index(p.name) for p in made.action.parameters]
+        for binding in bindings[made.number]:
+            env = dict(zip(names, binding, strict=True)) if others or made.action.costs else {}
             cost = self._cost(made.action, env)
-            if cost is None:
+            certain = None if cost is None else decider.left_of(literals, binding)
+            if cost is None or certain is None:
                 continue
             effects = [
-                GroundEffect(frozenset(), fact, literal.positive)
-                for literal in made.plain
-                if not decider.never_changes(fact := decider.fact(literal, env))
+                GroundEffect(NOTHING_NEEDED, fact, literal.positive)
+                for literal in plain
+                if not decider.never_changes(fact := literal.fact(binding))
             ]
             effects += special.get(binding, ())
-            names = self._numbers.objects
-            step = PddlStep(made.action.name, tuple(names[env[p.name]] for p in made.action.parameters))
-            for condition in decider.alternatives(made.split.rest, env) if effects else ():
+            step = PddlStep(made.action.name, tuple([objects[binding[i]] for i in parameters]))
+            ways = [certain] if only_positive else decider.alternatives(others, env, certain)
+            for condition in ways if effects else ():
                 found = operation(condition, effects, cost)
                 if found is not None:
                     yield step, found

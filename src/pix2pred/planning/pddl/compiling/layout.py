@@ -39,6 +39,12 @@ def operation(condition: Conjunction, effects: Iterable[GroundEffect], cost: int
 
     An effect whose condition contradicts the operator's never happens; what is deleted and added at once is added.
     """
+    effects = tuple(dict.fromkeys(effects))
+    if not any(e.condition for e in effects):
+        added = {e.fact for e in effects if e.becomes}
+        lasting = [e for e in effects if e.becomes or e.fact not in added]
+        changing = tuple([e for e in lasting if (e.fact, e.becomes) not in condition])
+        return GroundOperation(condition, changing, cost) if changing else None
     possible = []
     for effect in effects:
         if not any((fact, not value) in condition for fact, value in effect.condition):
