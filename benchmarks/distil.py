@@ -34,15 +34,17 @@ from pix2pred.api import generate
 from pix2pred.demos import project_digest
 from pix2pred.execution import Solver
 from pix2pred.execution.belief.perception import Believing
+from pix2pred.learning.labels.advice import Advice
 from pix2pred.learning.samplers.file import load_samplers
-from pix2pred.pipeline import LearningProblem
+from pix2pred.pipeline import LearningProblem, ask, fit_samplers, select
 from pix2pred.predicates import ground_atoms, labeller_for
 from pix2pred.predicates.prompt import atom_text, views
 from pix2pred.registry import _said, load_domain, load_planner
 from pix2pred.runs.distilling.distil import ReaderSources, distil
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import MODEL, SAMPLERS
-from pix2pred.runs.learn import learn_into, run_config
+from pix2pred.runs.learn import run_config
+from pix2pred.runs.save import save_asked, save_selected
 from pix2pred.settings import Settings, of_kind, of_project, resolve
 from pix2pred.structs import Action, FromVLM, Object, Picture, State, Task, WorldModel
 from pix2pred.structs.environment import Environment, SimulatedTask, Step
@@ -270,20 +272,28 @@ class Study:
 
     @cached_property
     def run(self) -> RunFolder:
-        """The learned run, learned once; demonstrations are visited for their truth."""
-        world, path = self.world, self.out / "run"
+        """The learned run, learned once, without advice about labels; demonstrations are visited for their truth."""
+        world, path, kept = self.world, self.out / "run", self.out / "settings"
+        if kept.exists():
+            self.settings: Settings = pickle.loads(kept.read_bytes())
+            return RunFolder(path)
         project = generate(world.domain.name, world.family, world.seed)
         grammar = {} if self.grammar is None else {"grammar": {"max_candidates": self.grammar}}
         layers = of_kind(project.simulator), of_project(project.sections), of_project(grammar)
-        self.settings: Settings = resolve(*layers)
-        if not (path / MODEL).exists():
-            world.pieces.begin()
-            world.visit(world.seed)
-            vlm = StoredVLM(self.teacher, AnswerStore(path))
-            problem = LearningProblem(project.vocabulary, project.demos, vlm, self.settings)
-            with RunFolder(path).locked() as run:
-                run.claim(run_config(problem, project_digest(project), "oracle", path, project.simulator))
-                learn_into(run, problem)
+        self.settings = resolve(*layers)
+        world.pieces.begin()
+        world.visit(world.seed)
+        problem = LearningProblem(
+            project.vocabulary, project.demos, StoredVLM(self.teacher, AnswerStore(path)), self.settings
+        )
+        with RunFolder(path).locked() as run:
+            run.claim(run_config(problem, project_digest(project), "oracle", path, project.simulator))
+            asked = ask(problem)
+            save_asked(run, problem, asked)
+            learning = self.settings.learning
+            selected = select(project.vocabulary, asked.labelling.table, learning, self.teacher.name)
+            save_selected(run, selected, fit_samplers(problem, selected), Advice((), ()), learning, 0)
+        kept.write_bytes(pickle.dumps(self.settings))
         return RunFolder(path)
 
     @cached_property
@@ -316,8 +326,13 @@ class Study:
     @cache  # noqa: B019  (a study lives as long as the program)
     def alone(self, tasks: int) -> tuple[int, int]:
         """Tasks that the teacher solves without a reader, and the questions it is asked."""
-        asked = Counting(self.teacher)
-        return self.solve(asked, self.world.tasks(TASK_SEED, tasks)) if tasks else 0, asked.questions
+        kept = self.out / f"alone-{tasks}.json"
+        if not kept.exists():
+            asked = Counting(self.teacher)
+            solved = self.solve(asked, self.world.tasks(TASK_SEED, tasks)) if tasks else 0
+            kept.write_text(json.dumps([solved, asked.questions]))
+        solved, questions = json.loads(kept.read_text())
+        return solved, questions
 
     def row(self, episodes: int, looks: int, tasks: int) -> dict[str, Any]:
         folder = self.out / f"reader-{episodes}"

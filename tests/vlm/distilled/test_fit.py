@@ -13,11 +13,12 @@ from pix2pred.registry import load_domain
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.vlm.distilled.calibration import calibrate
 from pix2pred.vlm.distilled.fitting.fit import fit
-from pix2pred.vlm.distilled.fitting.lesson import Lesson, LessonError
+from pix2pred.vlm.distilled.fitting.lesson import Example, Lesson, LessonError
 from pix2pred.vlm.distilled.model import AtomReading, Why
+from pix2pred.vlm.distilled.regions import COMPANION, RELATION, PictureSeen
 from pix2pred.vlm.distilled.sight import NEAR_SIDE, ORIENTATIONS, Augmentation, PicturePyramid, see, split
 from pix2pred.vlm.offline.label_question import Look
-from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, lesson, taught
+from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, lesson, look_at, taught
 
 
 def read(look: Look, *atoms: tuple[str, ...]) -> list[AtomReading]:
@@ -184,3 +185,24 @@ def test_gradients_are_counted_in_the_eighth_of_a_turn_to_which_they_point() -> 
         shown = PicturePyramid([PIL.Image.fromarray(np.clip(pixels, 0, 255).astype(np.uint8)).resize((640, 640))])
         counted = split(see(shown, [Box(0, 0, 640, 640)], [Augmentation(scale=0.8)]))["edges"].reshape(-1, ORIENTATIONS)
         assert counted.sum(axis=0).argmax() == number
+
+
+def test_what_lies_about_an_object_is_told_by_type() -> None:
+    rng = np.random.default_rng(0)
+    places = {"tray": (40, 40), "lamp1": (50, 24), "lamp2": (4, 70)}
+    look = look_at({"lamp1": True, "lamp2": True}, places, rng)
+    found = PictureSeen(look, look.pictures[0]).relation(("tray",), ("lamp", "cup")).reshape(2, COMPANION)
+    beside = PictureSeen(look, look.pictures[0]).relation(("tray", "lamp1"), ("lamp",))
+    assert found[0, :RELATION].tolist() == beside.tolist(), "the lamp that shares most with the tray is told about"
+    assert found[0, RELATION] == 1 and found[1].tolist() == [0] * COMPANION
+
+
+def test_a_word_about_all_that_is_near_an_object_is_learned() -> None:
+    looks = [drawn(np.random.default_rng(i)) for i in range(60)]
+    bare = [not any(value for (word, *_), value in truth.items() if word == "above") for _, truth in looks]
+    taught = [Example(i, "bare", ("tray",), value) for i, value in enumerate(bare[:40])]
+    groups = [f"demo {i // 5}" for i in range(40)]
+    model = fit(Lesson([look for look, _ in looks[:40]], groups, taught), SETTINGS).model
+    said = [model.read(look, [("bare", ("tray",))])[0].value for look, _ in looks[40:]]
+    answers = [(one, truth) for one, truth in zip(said, bare[40:], strict=True) if one is not None]
+    assert len(answers) >= 16 and sum(one == truth for one, truth in answers) >= len(answers) - 1

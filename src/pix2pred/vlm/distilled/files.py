@@ -28,7 +28,8 @@ from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, WordR
 from pix2pred.vlm.distilled.sight import PARTS, Array
 
 CARD, WEIGHTS = "card.json", "weights.npz"
-VERSION = 1
+VERSION = 2
+"""The second knows what lies about an object; readers of the first are read as they are."""
 LARGEST = 20_000_000
 """Bytes of weights that are read: readers have less than a quarter of that."""
 
@@ -94,7 +95,7 @@ class CardDoc(Document):
     """The file ``card.json``."""
 
     format: Literal["pix2pred-distilled-reader"]
-    version: Literal[1]
+    version: Literal[1, 2]
     what: str
     not_for: tuple[str, ...]
     made_from: MadeFrom
@@ -106,6 +107,7 @@ class CardDoc(Document):
     kinds: tuple[tuple[str, ...], ...] = Field(description="kinds of objects, in the order of the weights")
     regions: tuple[str, ...] = Field(description="kinds of regions, in the order of the weights")
     layouts: tuple[dict[str, tuple[int, int]], ...] = Field(description="by kinds: where the parts of a code lie")
+    company: tuple[str, ...] = Field((), description="types of objects that are looked for about an object")
     weights: str = Field(description="SHA-256 of weights.npz")
 
 
@@ -143,7 +145,7 @@ def write_reader(directory: Path, fitted: Fitted, made_from: MadeFrom, settings:
         settings=dict(settings), sure=model.bars.sure, strange=model.bars.strange, words=tuple(words),
         untaught=tuple(UntaughtDoc(word=u.word, kinds=u.kinds, reason=u.reason) for u in fitted.untaught),
         kinds=tuple(model.kinds), regions=tuple(model.regions),
-        layouts=tuple(dict(m.rows.layout.places) for m in model.kinds.values()),
+        layouts=tuple(dict(m.rows.layout.places) for m in model.kinds.values()), company=model.company,
         weights=hashlib.sha256(content).hexdigest(),
     )  # fmt: skip
     write_whole(directory / WEIGHTS, content)
@@ -231,7 +233,7 @@ def _model(card: CardDoc, arrays: Mapping[str, NDArray[Any]]) -> DistilledModel:
                 words[doc.word] = WordReader(WordMachine(kernel, weights), curve)
         nearest = float(arrays[f"kinds|{k}|nearest"][0])
         kinds[name] = KindsModel(Rows(layout, rows), _floats(arrays[f"kinds|{k}|relation"]), nearest, words)
-    return DistilledModel(regions, kinds, Bars(card.sure, card.strange))
+    return DistilledModel(regions, kinds, Bars(card.sure, card.strange), card.company)
 
 
 def _part_code(arrays: Mapping[str, NDArray[Any]], name: str) -> PartCode:

@@ -13,6 +13,9 @@ import numpy as np
 
 from pix2pred.vlm.distilled.sight import Array
 
+COMPANY = "company"
+"""The part of the codes that tells what lies about an object."""
+
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
@@ -37,6 +40,11 @@ class Layout:
     def parts(self) -> tuple[str, ...]:
         """All parts."""
         return tuple(self.places)
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """The parts that are about the objects themselves: new company makes nothing strange."""
+        return tuple(part for part in self.places if part != COMPANY)
 
     def mean_of(self, parts: Sequence[str]) -> Array:
         """By column the weight with which ``parts`` count alike, and all components of one of them; 0 for others."""

@@ -92,11 +92,15 @@ class PictureScore:
 
 @dataclass(frozen=True, slots=True)
 class DistilledModel:
-    """Reads looks. ``regions`` are the codes of every kind of region, ``kinds`` the words by kinds of objects."""
+    """Reads looks. ``regions`` are the codes of every kind of region, ``kinds`` the words by kinds of objects.
+
+    ``company`` are the types of objects that are looked for about an object.
+    """
 
     regions: Mapping[str, RegionCode]
     kinds: Mapping[Kinds, KindsModel]
     bars: Bars
+    company: tuple[str, ...] = ()
 
     @property
     def words(self) -> list[tuple[str, Kinds]]:
@@ -140,13 +144,13 @@ class DistilledModel:
             model = self.kinds[kinds]
             parts = [[coded[part] for part in _regions(kinds, names)] for names in tuples[kinds]]
             mean, deviation = model.relation
-            relations = [(seen.relation(names) - mean) / deviation for names in tuples[kinds]]
+            relations = [(seen.relation(names, self.company) - mean) / deviation for names in tuples[kinds]]
             codes = np.stack([
                 np.concatenate([*(code for code, _ in row), relation], dtype=np.float32)
                 for row, relation in zip(parts, relations, strict=True)
             ])  # fmt: skip
             compared = Compared(codes, model.rows)
-            nearest = compared.squared(model.rows.layout.parts).min(axis=1) / np.float32(model.nearest)
+            nearest = compared.squared(model.rows.layout.own).min(axis=1) / np.float32(model.nearest)
             strange = np.maximum(np.sqrt(nearest), [max(strange for _, strange in row) for row in parts])
             place = {names: i for i, names in enumerate(tuples[kinds])}
             scores = {word: model.words[word].machine.scores(compared) for word in dict.fromkeys(w for w, _ in atoms)}

@@ -29,6 +29,8 @@ RELATION = 6
 """Numbers that say how a second box lies to a first."""
 _FARTHEST = 3.0
 """Offsets are counted in sizes of the first box, up to this."""
+COMPANION = RELATION + 2
+"""Numbers about the nearest object of a type: how it lies, whether there is one, and how many there are."""
 
 
 @dataclass(slots=True)
@@ -85,11 +87,30 @@ class PictureSeen:
             region = region.union(self.box(name))
         return region
 
-    def relation(self, names: Sequence[str]) -> Array:
-        """How the box of each object after the first lies to that of the one before: RELATION numbers for each."""
+    def relation(self, names: Sequence[str], company: Sequence[str]) -> Array:
+        """How the box of each object after the first lies to that of the one before: RELATION numbers for each.
+
+        Of an object alone, how what it shares most of its box with lies, of each type in ``company``: COMPANION numbers
+        for each. What stands on a table, or whether something does, shows in the boxes better than in the pixels.
+        """
+        if len(names) == 1 and names[0] in self.picture.boxes:
+            return np.concatenate([np.zeros(0), *(self._companion(names[0], t) for t in company)], dtype=np.float32)
         boxes = [self.box(name) for name in names]
         pairs = [_relation(a, b) for a, b in pairwise(boxes)]
         return np.array([number for pair in pairs for number in pair], dtype=np.float32)
+
+    def _companion(self, name: str, kind: str) -> Array:
+        own = self.picture.boxes[name]
+        others = [
+            _relation(own, box)
+            for other, box in sorted(self.picture.boxes.items())
+            if other != name and self.look.types.get(other) == kind
+        ]
+        if not others:
+            return np.zeros(COMPANION, dtype=np.float32)
+        nearest = min(others, key=lambda r: (-r[-1], r[0] ** 2 + r[1] ** 2))
+        within = sum(abs(r[0]) < 0.5 and abs(r[1]) < 0.5 for r in others)
+        return np.array([*nearest, 1.0, min(within, _FARTHEST)], dtype=np.float32)
 
 
 def _relation(first: Box, second: Box) -> tuple[float, ...]:

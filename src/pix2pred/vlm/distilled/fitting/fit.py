@@ -23,7 +23,7 @@ from pix2pred.vlm.distilled.fitting.rows import (
     thinned,
 )
 from pix2pred.vlm.distilled.fitting.teaching import Ints, TaughtWord, WordRows, teach
-from pix2pred.vlm.distilled.machine import Compared, Layout, Rows
+from pix2pred.vlm.distilled.machine import COMPANY, Compared, Layout, Rows
 from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, WordReader
 from pix2pred.vlm.distilled.regions import Kinds, kinds_of_regions
 from pix2pred.vlm.distilled.sight import Array
@@ -121,7 +121,7 @@ def _fit(lesson: Lesson, settings: FitSettings, progress: Progress) -> Fitted:
         )  # fmt: skip
         results += [_result(word, kinds, t, _by_unit(group, strange), bars) for word, t in taught.items()]
     progress(Stage.DISTIL, count, count, "")
-    return Fitted(DistilledModel(regions, kinds_models, bars), tuple(results), tuple(untaught))
+    return Fitted(DistilledModel(regions, kinds_models, bars, seen.company), tuple(results), tuple(untaught))
 
 
 def _teachable(
@@ -173,7 +173,7 @@ def _kinds_model(
         spreads += spreads_in_kernel(list(regions[kind].parts.values()))
     mean, deviation = relations.mean(axis=0), np.maximum(relations.std(axis=0), 0.05)
     if relations.shape[1]:
-        parts["layout"] = np.tile((relations - mean) / deviation, (copies, 1))
+        parts["layout" if len(kinds) > 1 else COMPANY] = np.tile((relations - mean) / deviation, (copies, 1))
         spreads.append(np.full(relations.shape[1], 1 / np.sqrt(relations.shape[1])))
     ends = np.cumsum([part.shape[1] for part in parts.values()])
     layout = Layout(
@@ -197,7 +197,7 @@ def _nearest(layout: Layout, rows: Array, folds: Ints, copies: int) -> Array:
         out = np.flatnonzero(folds == fold)
         others = rows[everywhere != fold]
         if len(others):
-            nearest[out] = Compared(rows[out], Rows(layout, others)).squared(layout.parts).min(axis=1)
+            nearest[out] = Compared(rows[out], Rows(layout, others)).squared(layout.own).min(axis=1)
     return nearest
 
 

@@ -48,12 +48,14 @@ class SeenRegions:
     """What was seen: vectors by kind of region, the group of each, and where the regions of every row are.
 
     ``places[kinds][c][r][i]`` is the index, among the vectors of the i-th kind of region, of copy ``c`` of row ``r``.
+    ``company`` are the types of all objects that have boxes.
     """
 
     vectors: dict[str, Array]
     groups: dict[str, NDArray[np.int64]]
     places: dict[Kinds, NDArray[np.int64]]
     relations: dict[Kinds, Array]
+    company: tuple[str, ...]
 
 
 def rows_by_kinds(lesson: Lesson) -> dict[Kinds, RowsOfKinds]:
@@ -109,7 +111,7 @@ def _thinned(group: RowsOfKinds, most: int, rng: np.random.Generator) -> RowsOfK
 
 def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSettings) -> SeenRegions:
     """Look at all rows, as they are and through changes that keep what they show."""
-    copies = 1 + settings.copies
+    copies, company = 1 + settings.copies, _types_with_boxes(lesson)
     wanted: defaultdict[tuple[int, int], list[tuple[Kinds, int]]] = defaultdict(list)
     for kinds, group in found.items():
         for r, row in enumerate(group.rows):
@@ -131,7 +133,7 @@ def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSetti
         regions: dict[tuple[str, Names], int] = {}
         for kinds, r in members:
             names = rows[kinds][r].names
-            relations[kinds][r] = seen.relation(names)
+            relations[kinds][r] = seen.relation(names, company)
             for kind, region in zip(kinds_of_regions(kinds), regions_of(names), strict=True):
                 regions.setdefault((kind, region), len(regions))
         for c in range(copies):
@@ -150,7 +152,13 @@ def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSetti
         {kind: np.array(numbers) for kind, numbers in sorted(groups.items())},
         places,
         {kinds: np.stack(rows) for kinds, rows in relations.items()},
+        company,
     )
+
+
+def _types_with_boxes(lesson: Lesson) -> tuple[str, ...]:
+    pictures = ((look, picture) for look in lesson.looks for picture in look.pictures)
+    return tuple(sorted({look.types[n] for look, picture in pictures for n in picture.boxes if n in look.types}))
 
 
 def drawn(rng: np.random.Generator) -> Augmentation:

@@ -115,11 +115,15 @@ def _candidates(rows: Rows) -> Iterator[tuple[Kernel, float]]:
 
 
 def _choices_of_parts(layout: Layout) -> list[tuple[str, ...]]:
-    """All parts; all but where things are; and shapes and colours of the objects alone."""
-    everything = tuple(layout.places)
-    placeless = tuple(p for p in everything if not p.endswith(".place"))
+    """All parts; all but where things are; and shapes and colours of the objects alone.
+
+    Where an object has company: this with all else, with where the object is, and not at all.
+    """
+    everything, own = layout.parts, layout.own
+    placeless = tuple(p for p in own if not p.endswith(".place"))
     close = tuple(p for p in placeless if not p.endswith(".around"))
-    return list(dict.fromkeys((everything, placeless, close)))
+    around = tuple(p for p in everything if p not in placeless)
+    return list(dict.fromkeys((own, placeless, close, *((everything, around) if own != everything else ()))))
 
 
 def _usual_distance(rows: Rows, parts: Sequence[str]) -> float:
@@ -159,13 +163,24 @@ def _left_out(own: Compared, mine: WordRows, truth: Floats, kernel: Kernel, ridg
     mass = mine.weights * (truth / yes + (1 - truth) / no) * (yes + no) / 2
     matrix = own.gram(kernel).astype(np.float64) + ridge * np.diag(mass.mean() / mass)
     target = 2 * truth - 1
-    inverse = scipy.linalg.inv(matrix, check_finite=False)
+    inverse = _inverse(matrix)
     weights = inverse @ target
     scores = np.zeros(len(target))
     for fold in np.unique(mine.folds):
         out = np.flatnonzero(mine.folds == fold)
         scores[out] = target[out] - np.linalg.solve(inverse[np.ix_(out, out)], weights[out])
     return scores, weights.astype(np.float32)
+
+
+def _inverse(matrix: Floats) -> Floats:
+    """Of a positive definite matrix, in half the time that any other takes."""
+    factor, failed = scipy.linalg.lapack.dpotrf(matrix, lower=True)
+    if failed:  # rounding: codes have single precision
+        inverted: Floats = scipy.linalg.inv(matrix, check_finite=False)
+        return inverted
+    inverse, _ = scipy.linalg.lapack.dpotri(factor, lower=True, overwrite_c=True)
+    found: Floats = np.tril(inverse) + np.tril(inverse, -1).T
+    return found
 
 
 def _by_unit(mine: WordRows, scores: Floats) -> tuple[Ints, Floats, Bools, Floats]:
