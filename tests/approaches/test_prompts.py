@@ -78,6 +78,17 @@ def test_what_skills_and_goals_mean_is_said_outside_the_published_protocol() -> 
     assert "]: Moves the cup until it is in reach." in told and ": The robot has the plate in its hand." in told
 
 
+def test_code_is_told_what_types_features_and_skills_mean_outside_the_published_protocol() -> None:
+    cup = replace(CUP, description="A vessel.", measures="height in metres.")
+    push = replace(PUSH, description="Moves the cup until it is in reach.")
+    vocabulary = replace(VOCABULARY, types=(*scripted.TYPES, cup), skills=(push,))
+    published, told = (
+        code_request(demo(actions=1), vocabulary, marks=True, explained=explained).text for explained in (False, True)
+    )
+    for said in ("A vessel.", "height in metres.", "until it is in reach."):
+        assert said not in published and said in told
+
+
 def test_filled_code_prompt() -> None:
     tall = Object("c2", CUP, "tall cup")
     states = tuple(State(scripted.state(t).pictures, {tall: (0.5 * t, 12.0)}) for t in range(2))

@@ -20,7 +20,7 @@ from pix2pred.predicates.labelling.asking import Occurrence
 from pix2pred.predicates.prompt import kind_lines, meaning_lines
 from pix2pred.structs import Action, Demo, FromVLM, Label, Object, Predicate, Skill, Type
 from pix2pred.vlm import Purpose, Request, Together
-from pix2pred.vlm.offline.prompt_format import defined_words
+from pix2pred.vlm.offline.prompt_format import defined_words, previous_values
 from predicates.scripted import COOKED, HOLDING, OBJECTS, P1, PATTY, PICK, R, ScriptedVLM, demo, state
 
 T, F, U = Label.TRUE, Label.FALSE, Label.UNKNOWN
@@ -172,7 +172,18 @@ def test_long_demonstrations_are_asked_about_in_stretches_that_share_a_state() -
     settings = FRUGAL.model_copy(update={"states_per_query": 3, "attempts": 1})
     labels = labeller_for(vlm, settings).demo(d, [COOKED(P1)])
     assert [s.values[COOKED(P1)] for s in labels] == [F, T, T, F, F]
-    assert "Values in state 2, as answered earlier:\n<previous>\ncooked(patty1): True\n</previous>" in vlm.asked[1].text
+    assert "Values in state 2, as answered earlier:\n<previous>\ncooked(patty1): True\nAll other" in vlm.asked[1].text
+
+
+def test_what_was_false_before_is_listed_once_and_read_all_the_same() -> None:
+    first = "* cooked(patty1): False; 2 Unknown\n* cooked(patty2): False"
+    vlm = ScriptedVLM([first, "* cooked(patty1): True\n* cooked(patty2): True"])
+    settings = FRUGAL.model_copy(update={"states_per_query": 3, "attempts": 1})
+    other = Object("patty2", PATTY)
+    labeller_for(vlm, settings).demo(demo(actions=4), [COOKED(P1), COOKED(other)])
+    text = vlm.asked[1].text
+    assert text.count("cooked(patty2)") == 1 and text.count("cooked(patty1)") == 2
+    assert previous_values(text) == {"cooked(patty1)": "Unknown", "cooked(patty2)": "False"}
 
 
 def seen_in_pictures(request: Request) -> str:

@@ -11,7 +11,7 @@ from pix2pred.approaches.parse_plan import NoPlanError, WrittenPlan, parse_plan
 from pix2pred.execution import TruthOf
 from pix2pred.predicates.frugal.definitions import meanings_of
 from pix2pred.predicates.labelling.settings import LabelProtocol
-from pix2pred.predicates.prompt import fill, views
+from pix2pred.predicates.prompt import fill, type_meanings, views
 from pix2pred.structs import Action, Atom, Demo, Episode, ExecutedStep, Failure, Skill, Task, Type
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.views import View
@@ -83,7 +83,7 @@ class ViLaAgent:
             "vila_pure",
             ROOM,
             skills="\n".join(skill_line(s, explained=explained) for s in vocabulary.skills),
-            types=type_lines(vocabulary.types),
+            types=type_lines(vocabulary.types) + (f"\n{type_meanings(vocabulary.types)}".rstrip() if explained else ""),
             objects="\n".join(f"{o.prompt_name}: {o.type.name}" for o in sorted(task.objects)),
             goal=goal_lines(task.goal) + (f"\n\nWhat this means:\n{meanings_of(task.goal)}" if explained else ""),
             examples="\nBelow are demonstrations of the same robot on other tasks.\n" if self.shown else "",

@@ -18,7 +18,9 @@ from pix2pred.approaches.vila import ROOM, type_lines
 from pix2pred.execution import TruthOf
 from pix2pred.pipeline import LearningProblem, Pool, climb, learn
 from pix2pred.predicates import ground_atoms
-from pix2pred.predicates.prompt import action_text, fill, object_lines, views
+from pix2pred.predicates.frugal.definitions import skill_lines
+from pix2pred.predicates.labelling.settings import LabelProtocol
+from pix2pred.predicates.prompt import action_text, fill, meaning_lines, object_lines, titled, type_meanings, views
 from pix2pred.predicates.proposing.propose import Rejection
 from pix2pred.structs import (
     Atom,
@@ -79,13 +81,15 @@ class VLMFeaturePredicates:
     def written_pool(self, problem: LearningProblem) -> tuple[CodePool, tuple[Demo, ...]]:
         """What the model writes and what of it works, and the demonstrations with its values."""
         types = {t.name: t for t in problem.vocabulary.types}
-        shown = problem.settings.proposal
+        shown, explained = problem.settings.proposal, problem.settings.labels.protocol is LabelProtocol.FRUGAL
         written: list[CodePredicate] = []
         rejected: list[Rejection] = []
         for i, demo in enumerate(problem.demos):
             problem.progress(Stage.PROPOSE, i, len(problem.demos), demo.name)
             answer = problem.vlm.answer(
-                code_request(demo, problem.vocabulary, marks=shown.marks, longest_side=shown.longest_side)
+                code_request(
+                    demo, problem.vocabulary, marks=shown.marks, longest_side=shown.longest_side, explained=explained
+                )
             )
             found, bad = parse_code(answer.text, types)
             written += found
@@ -149,15 +153,20 @@ def with_values(
     return [replace(s, given=s.given | frozenset(found)) for s, found in zip(states, true, strict=True)]
 
 
-def code_request(demo: Demo, vocabulary: Vocabulary, *, marks: bool, longest_side: int = LONGEST_SIDE) -> Request:
-    """The query about one demonstration."""
+def code_request(
+    demo: Demo, vocabulary: Vocabulary, *, marks: bool, longest_side: int = LONGEST_SIDE, explained: bool = False
+) -> Request:
+    """The query about one demonstration; ``explained`` with what types, features, skills and given predicates mean.
+
+    The published protocol explains nothing.
+    """
     holders = [t for t in vocabulary.types if t.features]
     features = "\n".join(f"{t.name}: {', '.join(t.features)}" for t in holders)
     text = fill(
         "code",
         ROOM,
         example_type=holders[0].name if holders else vocabulary.types[0].name,
-        types=f"{features}\n{type_lines(vocabulary.types)}",
+        types=f"{features}\n{type_lines(vocabulary.types)}" + (_explanations(vocabulary) if explained else ""),
         objects=object_lines(demo.objects),
         trajectory="\n".join(_trajectory(demo)),
     )
@@ -165,6 +174,17 @@ def code_request(demo: Demo, vocabulary: Vocabulary, *, marks: bool, longest_sid
     pictures = list(chain.from_iterable(shown))
     cameras = [p.camera for p in demo.states[0].pictures][:1]
     return Request(Purpose.CODE, (text, *(v for v in pictures if v.picture.camera in cameras)), ANSWER_TOKENS)
+
+
+def _explanations(vocabulary: Vocabulary) -> str:
+    measured = [f"- {t.name}: {t.measures}" for t in vocabulary.types if t.measures]
+    return (
+        "\nWhere a line has a dash, the types before it are kinds of the type after it.\n"
+        + type_meanings(vocabulary.types)
+        + titled("What features mean, of a type and its kinds:", measured)
+        + titled("Skills of the robot:", [skill_lines(vocabulary.skills)])
+        + titled("Known already; write neither these nor the contrary:", [meaning_lines(vocabulary.initial)])
+    ).rstrip()
 
 
 def _trajectory(demo: Demo) -> Iterable[str]:

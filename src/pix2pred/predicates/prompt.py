@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from string import Template
@@ -44,9 +44,17 @@ def kind_lines(objects: Iterable[Object]) -> str:
             general = general.parent
     in_order = sorted(kinds, key=lambda t: t.name)
     lines = [f"- {kind.name}: {', '.join(sorted(kinds[kind]))}" for kind in in_order if kinds[kind]]
-    meanings = [f"- {kind.name} = {kind.description}" for kind in in_order if kind.description]
-    titles = {"More general types, and what belongs to each:": lines, "What types mean:": meanings}
-    return "".join("\n".join(["", title, *under, ""]) for title, under in titles.items() if under)
+    return titled("More general types, and what belongs to each:", lines) + type_meanings(in_order)
+
+
+def type_meanings(types: Iterable[Type]) -> str:
+    """What ``types`` are said to be, one a line, in their order; empty where nothing is said."""
+    return titled("What types mean:", [f"- {kind.name} = {kind.description}" for kind in types if kind.description])
+
+
+def titled(title: str, lines: Sequence[str]) -> str:
+    """A paragraph between blank lines; empty where there are no lines."""
+    return "\n".join(["", title, *lines, ""]) if lines else ""
 
 
 def action_text(action: Action) -> str:

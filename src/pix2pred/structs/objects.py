@@ -15,13 +15,15 @@ class Type:
     """A kind of object: a name, the names of its numeric features, and an optional parent.
 
     Features are not inherited: every type lists its own. ``description`` says in a sentence what belongs to the type,
-    for people and for models that are asked.
+    for people and for models that are asked; ``measures`` says what the features of the type and its kinds are, with
+    their units.
     """
 
     name: str
     features: tuple[str, ...] = ()
     parent: Type | None = None
     description: str = field(default="", compare=False)
+    measures: str = field(default="", compare=False)
 
     def __hash__(self) -> int:
         """By name: atoms are hashed all the time, and two things that differ in nothing but the rest are rare."""

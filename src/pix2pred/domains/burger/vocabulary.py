@@ -7,11 +7,20 @@ from collections.abc import Iterable, Mapping
 from pix2pred.structs import FromDomain, Object, Predicate, Skill, Type
 
 _PLACE = ("row", "col", "z")
+_CELLS = (
+    "row and col are the cell of the floor, from 0 at the top and at the left; z is the level in a stack, 0 on the "
+    "floor. What is held is in the robot's cell, at level 1."
+)
 
-OBJECT = Type("object", _PLACE, description="Everything that has a name.")
+OBJECT = Type("object", _PLACE, None, "Everything that has a name.", _CELLS)
 ITEM = Type("item", _PLACE, OBJECT, "What can be picked up and stacked: the parts of a burger.")
 STATION = Type("station", _PLACE, OBJECT, "What stays where it stands and has something done to the item on it.")
-ROBOT = Type("robot", (*_PLACE, "fingers", "dir"), OBJECT)
+ROBOT = Type(
+    "robot",
+    (*_PLACE, "fingers", "dir"),
+    OBJECT,
+    measures="fingers is 1 while it holds something, else 0; dir is where it faces: 0 up, 1 left, 2 down, 3 right.",
+)
 PATTY = Type("patty", _PLACE, ITEM)
 LETTUCE = Type("lettuce", _PLACE, ITEM)
 CHEESE = Type("cheese", _PLACE, ITEM)

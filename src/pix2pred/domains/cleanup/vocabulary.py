@@ -8,13 +8,16 @@ ROBOT = Type("robot")
 MOVABLE = Type("movable_object", description="A thing that can be picked up, the eraser included.")
 IMMOVABLE = Type("immovable", description="A piece of furniture, which stays where it stands.")
 TABLE = Type("table", parent=IMMOVABLE)
-TRASH_CAN = Type("trash_can", parent=IMMOVABLE)
+TRASH_CAN = Type("trash_can", parent=IMMOVABLE, description="A bin that is open at the top.")
 TYPES = (ROBOT, MOVABLE, IMMOVABLE, TABLE, TRASH_CAN)
 
 PICK_FROM_TOP = Skill(
     "PickFromTop",
     (ROBOT, MOVABLE, IMMOVABLE),
-    description="The robot, its hand empty, takes the thing that lies on top of the piece of furniture.",
+    description=(
+        "The robot, its hand empty, takes the thing that lies on top of the piece of furniture, or in a wide open "
+        "container; from a narrow one it can take nothing."
+    ),
 )
 PLACE_INSIDE = Skill(
     "PlaceInside",
@@ -27,7 +30,10 @@ PICK_FROM_FLOOR = Skill(
 WIPE = Skill(
     "WipeAndContinueHoldingEraser",
     (ROBOT, MOVABLE, TABLE),
-    description="The robot, holding an eraser, wipes the scribbles off the table and goes on holding the eraser.",
+    description=(
+        "The robot wipes the scribbles off the table with the eraser it holds, and goes on holding it; scribbles "
+        "beside a thing that stands on the table stay."
+    ),
 )
 DUMP = Skill(
     "DumpContentsOntoFloor",

@@ -10,10 +10,28 @@ from collections.abc import Mapping
 
 from pix2pred.structs import FromDomain, Object, Predicate, Skill, Type
 
-ROBOT = Type("robot", ("z", "tilt", "wrist", "fingers"))
-JUG = Type("jug", ("z", "rot", "is_held"))
+ROBOT = Type(
+    "robot",
+    ("z", "tilt", "wrist", "fingers"),
+    measures=(
+        "z is the height between the finger tips; tilt turns the gripper from pointing right (0) to pointing down, "
+        "wrist about its own axis (radians); fingers is how far it is open. Lengths are in metres."
+    ),
+)
+JUG = Type(
+    "jug",
+    ("z", "rot", "is_held"),
+    measures=(
+        "z is the height of its base in metres; rot is how far it is turned, in radians, 0 with its handle on the "
+        "left; is_held is 1 while it is held, else 0."
+    ),
+)
 MACHINE = Type("coffee_machine")
-CUP = Type("cup", ("x", "y", "z", "capacity"))
+CUP = Type(
+    "cup",
+    ("x", "y", "z", "capacity"),
+    measures="x to the right, y to the back, z up, in metres; capacity in cups of middle size.",
+)
 
 TYPES = (ROBOT, JUG, MACHINE, CUP)
 TYPE_OF: Mapping[str, Type] = {t.name: t for t in TYPES}
@@ -41,12 +59,12 @@ POUR = Skill(
 ROTATE = Skill(
     "RotateItemUntilHandleAccessible",
     (ROBOT, JUG),
-    description="The robot turns the jug on the table until its handle is in reach.",
+    description="The robot turns the jug on the table until its handle is on the left, where it is in reach.",
 )
 SKILLS = (PICK_JUG, PLACE_JUG, TURN_ON, POUR, ROTATE)
 SKILL_OF: Mapping[str, Skill] = {s.name: s for s in SKILLS}
 
-CUP_FILLED = Predicate("CupFilled", (CUP,), FromDomain(), "The cup holds as much coffee as it should.")
+CUP_FILLED = Predicate("CupFilled", (CUP,), FromDomain(), "The cup is more than three quarters full of coffee.")
 HOLDING = Predicate("Holding", (ROBOT, JUG), FromDomain(), "The robot has the jug in its gripper.")
 ON_TABLE = Predicate(
     "OnTable", (JUG,), FromDomain(), "The jug stands on the table: it is neither held nor in the machine."
@@ -62,7 +80,7 @@ PRESSING_BUTTON = Predicate(
 )
 NOT_SAME_CUP = Predicate("NotSameCup", (CUP, CUP), FromDomain(), "The two cups are different cups; this never changes.")
 JUG_PICKABLE = Predicate(
-    "JugPickable", (JUG,), FromDomain(), "The jug is upright with its handle where the robot can grip it."
+    "JugPickable", (JUG,), FromDomain(), "The jug is upright with its handle on the left, where the robot can grip it."
 )
 
 GIVEN = (

@@ -23,12 +23,12 @@ PICK_MOVABLE = Skill(
 PLACE_IN_WASTE_REGION = Skill(
     "PlaceInsideWasteValveRegion",
     (ROBOT, CONTAINER, JUICER),
-    description="The robot puts the vessel it holds into the marked region under the juicer's waste valve.",
+    description="The robot puts the vessel it holds into the region marked blue under the juicer's waste valve.",
 )
 PLACE_IN_JUICE_REGION = Skill(
     "PlaceInsideJuiceValveRegion",
     (ROBOT, CONTAINER, JUICER),
-    description="The robot puts the vessel it holds into the marked region under the juicer's juice valve.",
+    description="The robot puts the vessel it holds into the region marked orange under the juicer's juice valve.",
 )
 PLACE_INSIDE = Skill(
     "PlaceInside",

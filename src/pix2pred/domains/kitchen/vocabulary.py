@@ -9,12 +9,20 @@ from pix2pred.structs import FromDomain, Object, Predicate, Skill, Type, Vocabul
 
 _PLACE = ("x", "y", "z")
 
-OBJECT = Type("object", _PLACE, description="Everything that has a name.")
-GRIPPER = Type("gripper", (*_PLACE, "qw", "qx", "qy", "qz"), OBJECT)
-ON_OFF = Type("on_off", (*_PLACE, "angle"), OBJECT, "What is turned or opened, and so is on or off, open or closed.")
-HINGE_DOOR = Type("hinge_door", (*_PLACE, "angle"), ON_OFF)
-KNOB = Type("knob", (*_PLACE, "angle"), ON_OFF)
-SWITCH = Type("switch", (*_PLACE, "angle"), ON_OFF)
+OBJECT = Type("object", _PLACE, None, "Everything that has a name.", "x to the right, y to the back, z up, in metres.")
+GRIPPER = Type(
+    "gripper", (*_PLACE, "qw", "qx", "qy", "qz"), OBJECT, measures="qw, qx, qy, qz are its orientation, a quaternion."
+)
+ON_OFF = Type(
+    "on_off",
+    (*_PLACE, "angle"),
+    OBJECT,
+    "What is turned or opened, and so is on or off, open or closed.",
+    "angle is how far it is turned or opened, in radians; metres for slide. Knobs: 0 is off, on is below 0.",
+)
+HINGE_DOOR = Type("hinge_door", (*_PLACE, "angle"), ON_OFF, "A door of a cupboard or a microwave, by its handle.")
+KNOB = Type("knob", (*_PLACE, "angle"), ON_OFF, "A knob of the stove; it belongs to the burner with the same number.")
+SWITCH = Type("switch", (*_PLACE, "angle"), ON_OFF, "The switch of the lamp above the stove.")
 SURFACE = Type("surface", _PLACE, OBJECT, "A burner of the stove, on which a kettle can stand.")
 KETTLE = Type("kettle", _PLACE, OBJECT)
 
@@ -45,7 +53,8 @@ TURN_ON_KNOB = Skill(
     (GRIPPER, KNOB),
     (-math.pi,),
     (math.pi,),
-    "The gripper moves to a knob of the stove and turns it on.",
+    "The gripper moves to a knob of the stove and turns it on with a push, whose direction is the number: radians, "
+    "from the right (0) towards the back.",
 )
 """Its parameter is the direction of the push in the x-y plane, in radians from x (to the right) towards y."""
 
@@ -54,7 +63,9 @@ PUSH_KETTLE = Skill(
     (GRIPPER, KETTLE, SURFACE),
     (-REACH, -REACH, -REACH, -math.pi),
     (REACH, REACH, REACH, math.pi),
-    "The gripper pushes the kettle along until it stands on the burner behind it.",
+    "The gripper pushes the kettle along until it stands on the burner behind it. Its numbers are where the push "
+    "starts, from the kettle's handle to the right, back and up (metres), and its direction, from back (0) towards "
+    "the right (radians).",
 )
 """Its parameters: where the push starts, relative to the kettle's handle (metres), and its direction, from y."""
 

@@ -34,6 +34,9 @@ TWICE = (
     "picture anew for each, so that a slip shows."
 )
 
+ALL_OTHERS_FALSE = "All other predicates below: False"
+"""Ends the values of an earlier state where only what is not false is named: most is false, and is listed below."""
+
 NEGATED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Label.UNKNOWN}
 
 
@@ -154,7 +157,7 @@ class FrugalLabeller:
         """The question. What is the same for all demonstrations stands first, so that providers' prompt caches hit."""
         crops = sum(view.crop is not None for view in pictures)
         known = stretch.known
-        before = value_lines({atom_text(a): known[a] for a in sorted(atoms, key=atom_text) if a in known})
+        before = _before({atom_text(a): known.get(a) for a in sorted(atoms, key=atom_text)})
         actions = [f"{t}. {action_text(a)}" for t, a in enumerate(stretch.actions, start=stretch.start)]
         skills = skill_lines(a.skill for a in stretch.actions)
         number = f"number {stretch.start} leads from state {stretch.start} to state {stretch.start + 1}, and so on"
@@ -192,6 +195,15 @@ class FrugalLabeller:
             if box and max(width, height) >= LEAST_ZOOM * CROP_SCALE * max(box.width, box.height):
                 heading = f"{view.heading}, around the skill"
                 yield replace(view, crop=box, heading=heading, longest_side=smaller)
+
+
+def _before(known: Mapping[str, Label | None]) -> str:
+    """The values of the state before, one a line; where all are known, what is false is not named one by one."""
+    said = {atom: label for atom, label in known.items() if label is not None}
+    if len(said) < len(known) or not said:
+        return value_lines(said)
+    others = {atom: label for atom, label in said.items() if label is not Label.FALSE}
+    return "\n".join(filter(None, [value_lines(others), ALL_OTHERS_FALSE]))
 
 
 def _words(atom: Atom, count: int) -> list[tuple[Atom, bool]]:

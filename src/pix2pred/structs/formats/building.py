@@ -45,7 +45,7 @@ def build_types(docs: Iterable[TypeDoc]) -> tuple[Type, ...]:
         for ancestor in reversed(_lineage(name, table)):
             doc = table[ancestor]
             parent = built[doc.parent] if doc.parent else None
-            built.setdefault(ancestor, Type(ancestor, doc.features, parent, doc.description))
+            built.setdefault(ancestor, Type(ancestor, doc.features, parent, doc.description, doc.measures))
     return tuple(built[name] for name in table)
 
 

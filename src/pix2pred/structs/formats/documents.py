@@ -41,6 +41,7 @@ class TypeDoc(Document):
     parent: Name | None = None
     features: tuple[Name, ...] = ()
     description: Description = ""
+    measures: Description = Field("", description="what the features mean, with their units, for models that compute")
 
 
 class ObjectDoc(Document):

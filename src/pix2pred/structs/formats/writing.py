@@ -19,7 +19,8 @@ def type_doc(t: Type) -> dict[str, Any]:
         doc["parent"] = t.parent.name
     if t.features:
         doc["features"] = list(t.features)
-    return doc | ({"description": t.description} if t.description else {})
+    said = {"description": t.description, "measures": t.measures}
+    return doc | {key: text for key, text in said.items() if text}
 
 
 def skill_doc(skill: Skill) -> dict[str, Any]:

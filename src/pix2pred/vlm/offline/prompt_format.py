@@ -10,6 +10,7 @@ from pix2pred.structs.views import View
 
 _OBJECT_LINE = re.compile(r"^- (\S+) \(([^()\s]+)\)$", re.MULTILINE)
 _ATOM_LINE = re.compile(r"^([A-Za-z_]\w*)\(([^()]*)\)$")
+_ALL_OTHERS_FALSE = "All other predicates below: False"
 _PREVIOUS = re.compile(r"<previous>\n(.*?)\n</previous>", re.DOTALL)
 _VALUE_LINE = re.compile(r"^[* ]*([A-Za-z_]\w*\([^()]*\)): (True|False|Unknown)\b", re.MULTILINE)
 _HISTORY_LINE = re.compile(
@@ -69,7 +70,10 @@ def asked_atoms(text: str) -> Iterator[AskedAtom]:
 def previous_values(text: str) -> dict[str, str]:
     """The values of the state before, as words, where the prompt tells them."""
     match = _PREVIOUS.search(text)
-    return dict(_VALUE_LINE.findall(match[1])) if match else {}
+    if not match:
+        return {}
+    others = dict.fromkeys((str(a) for a in asked_atoms(text)), "False") if _ALL_OTHERS_FALSE in match[1] else {}
+    return others | dict(_VALUE_LINE.findall(match[1]))
 
 
 def stated_values(text: str) -> dict[str, str]:
