@@ -59,6 +59,15 @@ def test_a_way_to_one_goal_that_bars_another_is_not_taken() -> None:
     assert found.status == PlanStatus.SOLVED and set(found.plan) == {1, 2}
 
 
+def test_a_goal_that_the_way_to_another_undoes_is_reached_again_and_endless_turns_end() -> None:
+    """Facts: 0 the jar is empty, 1 it is full, 2 and 3 are drinks, each poured from an empty jar, which fills it."""
+    pre, add, delete = (0b0001, 0b0001, 0b0010), (0b0110, 0b1010, 0b0001), (0b0001, 0b0001, 0b0010)
+    found = OneByOne(least_steps=1)(Strips(4, pre, add, delete, 0b0010, 0b1101))
+    assert found.status == PlanStatus.SOLVED and sorted(found.plan) == [0, 1, 2, 2, 2]
+    switched = Strips(2, (0b10, 0b01), (0b01, 0b10), (0b10, 0b01), 0b01, 0b11)
+    assert OneByOne(least_steps=1)(switched).status == PlanStatus.BUDGET
+
+
 @pytest.mark.parametrize("name", ["stacks-test6", "combo-test1"])
 def test_published_problems_have_valid_plans(name: str) -> None:
     path = DATA / f"{name}.pddl"

@@ -8,7 +8,7 @@ problems", 2012.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pix2pred.planning.heuristics.ff import FF
@@ -32,11 +32,12 @@ class _LeadingOn(Heuristic):
 
 @dataclass(frozen=True, slots=True)
 class OneByOne:
-    """A* for the goals one by one, those reached before kept; the status is BUDGET where that does not work.
+    """A* for the goals one by one; the status is BUDGET where that does not work.
 
     For tasks whose relaxed plan has ``least_steps`` and more, for which A* alone has too few nodes. The goal whose
-    relaxed plan is shortest comes next; it gets ``each`` nodes, or fewer where nodes times operators would be more than
-    ``visits``. States that are alike up to names of interchangeable objects are looked at once after
+    relaxed plan is shortest comes next, one that the way to another has undone included, up to twice as many times as
+    there are goals. Each search gets ``each`` nodes, or fewer where nodes times operators would be more than
+    ``visits``; states that are alike up to names of interchangeable objects are looked at once after
     ``symmetries_after`` nodes.
     """
 
@@ -54,29 +55,32 @@ class OneByOne:
         if estimate is None:
             return SearchResult(PlanStatus.UNSOLVABLE, (), 1)
         near = {1 << fact: FF(replace(task, goal=1 << fact)) for fact in bits(task.goal)}
-        state, reached, nodes = task.initial, 0, 0
+        state, nodes = task.initial, 1
         plan: list[int] = []
-        while near and estimate >= self.least_steps:
-            goal = min(near, key=lambda g: (far if (far := near[g](state)) is not None else task.facts, g))
-            del near[goal]
-            reached |= goal
-            part = replace(task, initial=state, goal=reached)
-            found, state = self._reached(task, part, landmark_cut)
-            if everything(state) is None:
-                found, state = self._reached(task, part, lambda t: _LeadingOn(t, everything))
+        for _ in range(2 * len(near) if estimate >= self.least_steps else 0):
+            if task.is_goal(state):
+                break
+            goal = min((g for g in near if g & ~state), key=lambda g: (near[g](state) or 0, g))
+            found = self._plan(replace(task, initial=state, goal=goal), everything)
             nodes += found.nodes
-            plan += found.plan
             if found.status != PlanStatus.SOLVED:
-                return SearchResult(PlanStatus.BUDGET, (), nodes)
-        return SearchResult(PlanStatus.BUDGET if near else PlanStatus.SOLVED, tuple(plan), nodes)
+                break
+            plan += found.plan
+            state = _after(task, state, found.plan)
+        if not task.is_goal(state):
+            return SearchResult(PlanStatus.BUDGET, (), nodes)
+        return SearchResult(PlanStatus.SOLVED, tuple(plan), nodes)
 
-    def _reached(
-        self, task: Strips, part: Strips, heuristic: Callable[[Strips], Heuristic]
-    ) -> tuple[SearchResult, int]:
-        """A plan for the goals so far, and the state that it leads to."""
-        nodes = min(self.each, self.visits // max(1, len(task.pre)))
-        found = AStar(heuristic, nodes, self.symmetries_after)(part)
-        state = part.initial
-        for k in found.plan:
-            state = task.successor(state, k)
-        return found, state
+    def _plan(self, part: Strips, everything: Heuristic) -> SearchResult:
+        """A shortest plan for a part of the goals, if need be the shortest that bars no other goal."""
+        nodes = min(self.each, self.visits // max(1, len(part.pre)))
+        found = AStar(landmark_cut, nodes, self.symmetries_after)(part)
+        if everything(_after(part, part.initial, found.plan)) is not None:
+            return found
+        return AStar(lambda task: _LeadingOn(task, everything), nodes, self.symmetries_after)(part)
+
+
+def _after(task: Strips, state: int, plan: Sequence[int]) -> int:
+    for k in plan:
+        state = task.successor(state, k)
+    return state
