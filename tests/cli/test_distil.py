@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from command_line import Cli
 from pix2pred.report import REPORT
+from pix2pred.runs.layout import EVIDENCE
 from pix2pred.vlm.distilled.files import CARD, WEIGHTS
 
 READER = "reader"
@@ -67,3 +69,12 @@ def test_a_run_whose_pictures_show_nothing_teaches_nothing(cli: Cli, done: Path,
 def test_nothing_is_written_over_what_is_no_reader(cli: Cli, done: Path) -> None:
     ran = cli("distil", done, "--out", done.parent)
     assert ran.code == 2 and "holds no reader" in ran.err
+
+
+def test_a_reader_that_knows_nothing_is_called_so(cli: Cli, run_copy: Path, tmp_path: Path) -> None:
+    evidence = json.loads((run_copy / EVIDENCE).read_text())
+    for picture in (picture for demo in evidence["demos"] for state in demo["states"] for picture in state):
+        picture["boxes"] = {}
+    (run_copy / EVIDENCE).write_text(json.dumps(evidence))
+    ran = cli("distil", run_copy, "--out", tmp_path / READER)
+    assert ran.code == 0 and "It knew nothing of what was left out" in " ".join(ran.out.split())

@@ -91,6 +91,12 @@ def _print(card: CardDoc) -> None:
     out.print("On demonstrations and episodes left out:")
     for word in card.words:
         out.print(f"  {_about(word)}", markup=False, soft_wrap=True)
+    if not any(word.answered for word in card.words):
+        out.print(
+            "It knew nothing of what was left out, so it leaves all to the large model: boxes about the objects, more "
+            "demonstrations, or episodes with --with would help.",
+            markup=False,
+        )
     for left in card.untaught:
         out.print(f"  not taught: {left.word}({', '.join(left.kinds)}) {left.reason}", markup=False, soft_wrap=True)
 
