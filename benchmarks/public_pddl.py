@@ -53,7 +53,10 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a planner fared: ``found`` is solved, none, invalid or unread; length of the plan and processor seconds."""
+    """How a planner fared: ``found`` is solved, late, none or invalid; length of the plan and processor seconds.
+
+    A plan is late when all processes of a planner together took more than the limit, which the system sets for each.
+    """
 
     found: str
     length: int
@@ -117,7 +120,8 @@ def run(planner: str, case: Case, domain: PddlDomain, problem: PddlProblem, limi
             checked = check_plan(domain, problem, read_plan(text_of(written), domain, problem))
         except Pix2predError:
             return Outcome("invalid", 0, seconds)
-        return Outcome("solved" if checked.valid else "invalid", len(checked.steps), seconds)
+        valid = "late" if seconds > limit else "solved"
+        return Outcome(valid if checked.valid else "invalid", len(checked.steps), seconds)
 
 
 def sampled(found: Iterable[Case], count: int) -> list[Case]:

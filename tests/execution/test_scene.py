@@ -8,6 +8,7 @@ import pytest
 
 from pix2pred.execution import Guided, PlannedScene, Solver, plan_scene
 from pix2pred.execution.belief.perception import AtTheirWord
+from pix2pred.execution.explaining.diagnosis import correct_labels
 from pix2pred.execution.explaining.missing import missing
 from pix2pred.execution.explaining.rests import Need, needs
 from pix2pred.execution.explaining.wording import in_words
@@ -36,7 +37,7 @@ from pix2pred.structs import (
     Vocabulary,
     WorldModel,
 )
-from pix2pred.structs.goals.opposites import contrary, is_denial
+from pix2pred.structs.goals.opposites import contrary, is_denial, with_denials
 from pix2pred.structs.plans import effects, signed
 from pix2pred.vlm import Answer, Request
 from pix2pred.vlm.offline.prompt_format import asked_atoms
@@ -224,6 +225,12 @@ def test_a_goal_may_say_what_must_not_hold() -> None:
     assert SERVED(C1) in end and FULL(C2) in end and HOT(K) not in end, "the water that was heated is used up"
     assert [str(n.atom) for n in found.needs[-1]] == ["Served(c1)", "not empty0(c2)", "not hot0(k)"]
     assert not any(is_denial(change.atom) for step in found.result.plan for change in effects(step))
+
+
+def test_labels_put_right_are_right_about_opposites() -> None:
+    seen = with_denials(frozenset({HOT(K), EMPTY(C1)}), {HOT, FULL}, (C1, K))
+    right = correct_labels(seen, {HOT(K): False, FULL(C1): True, EMPTY(C1): False}, frozenset({HOT, FULL}))
+    assert right == with_denials(frozenset({FULL(C1)}), {HOT, FULL}, (C1, K))
 
 
 def test_what_must_not_hold_and_does_not_needs_no_step() -> None:

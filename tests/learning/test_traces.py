@@ -143,6 +143,16 @@ def test_goals_with_not_and_or_are_kept(tmp_path: Path) -> None:
         load_traces(path)
 
 
+def test_a_goal_that_can_never_hold_is_refused(tmp_path: Path) -> None:
+    document = copy.deepcopy(DOCUMENT)
+    atom = document["demos"][0]["goal"][0]
+    document["demos"][0]["goal"].append([f"not {atom[0]}", *atom[1:]])
+    path = tmp_path / "t.json"
+    path.write_text(json.dumps(document))
+    with pytest.raises(TracesError, match=r"goal\[\d\]: .* is to hold and not to hold"):
+        load_traces(path)
+
+
 def _where(demo: LabelledDemo, value: int) -> list[set[str]]:
     return [{str(demo.atoms[i]) for i in np.flatnonzero(row == value)} for row in demo.values]
 
@@ -175,6 +185,7 @@ ERRORS: list[tuple[Callable[[Any], None], str, str]] = [
     (_set("surprise", 1), "$.surprise", "not permitted"),
     (_set("demos", []), "$.demos", "at least one demonstration"),
     (_set("demos", {}), "$.demos", "found {}"),
+    (_set("predicates", 2, "cost", float("inf")), "$.predicates[2].cost", "finite number"),
     (_set("types", 0, "parent", "itm"), "$.types", "did you mean 'item'"),
     (_set("types", 1, "parent", "patty"), "$.types", "its own ancestor"),
     (_set("types", 2, "name", "item"), "$.types", "'item' is declared twice"),

@@ -172,4 +172,4 @@ def test_a_file_that_is_no_plan_is_bad_input(tmp_path: Path, capsys: pytest.Capt
     for name, text in (("d.pddl", VANS), ("p.pddl", TRIP), ("plan.txt", "drive north\n")):
         (tmp_path / name).write_text(text)
     assert run(["validate", *(str(tmp_path / n) for n in ("d.pddl", "p.pddl", "plan.txt"))]) == 2
-    assert "plan.txt: line 1, column 1: expected (action object ...)" in capsys.readouterr().err
+    assert "plan.txt: line 1, column 1: expected one (action object ...) a line" in capsys.readouterr().err

@@ -178,9 +178,9 @@ class Solver:
         if truth is None or check.unknown:
             cause = Failure.NO_PLAN if outcome is None else Failure.SKILL if outcome.failure else Failure.UNDETERMINED
             return cause, detail, ()
-        errors = check.wrong
+        errors, denied = check.wrong, denied_in(atom for goal in task.goals for atom in goal)
         named = tuple(f"{atom} is {value}" for atom, value in sorted(errors.items()))
-        better = self.plan_from(task, correct_labels(seen, errors)) if errors else result
+        better = self.plan_from(task, correct_labels(seen, errors, denied)) if errors else result
         if better.status not in (PlanStatus.SOLVED, PlanStatus.UNSOLVABLE):
             return Failure.UNDETERMINED, detail, named
         helps = (

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from pix2pred.predicates import Abstraction, StateLabeller, ground_atoms
 from pix2pred.structs import AbstractState, Atom, FromVLM, Predicate, Task, WorldModel
+from pix2pred.structs.goals.opposites import contrary
 
 TruthOf = Callable[[Atom], bool | None]
 """The true value of a visual atom in the environment's present state; None for words without a ground truth."""
@@ -44,9 +45,13 @@ def check_labels(truth: TruthOf | None, seen: AbstractState, task: Task, model: 
     return LabelCheck(known, unknown, wrong)
 
 
-def correct_labels(seen: AbstractState, errors: Mapping[Atom, bool]) -> AbstractState:
-    """``seen`` with the wrong labels put right."""
-    return frozenset((seen - errors.keys()) | {atom for atom, value in errors.items() if value})
+def correct_labels(
+    seen: AbstractState, errors: Mapping[Atom, bool], denied: frozenset[Predicate] = frozenset()
+) -> AbstractState:
+    """``seen`` with the wrong labels put right, and with them the opposites of the predicates ``denied``."""
+    true = {atom for atom, value in errors.items() if value}
+    opposites = {contrary(atom) for atom in errors.keys() - true if atom.predicate in denied}
+    return frozenset((seen - errors.keys() - {contrary(atom) for atom in true}) | true | opposites)
 
 
 def given_atoms(model: WorldModel, labeller: StateLabeller, task: Task) -> AbstractState:

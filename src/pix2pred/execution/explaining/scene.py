@@ -21,11 +21,9 @@ from pix2pred.structs import AbstractState, Atom, FromDomain, FromHuman, PlanRes
 class PlannedScene:
     """What was seen of the initial state of the task ``asked``, and the plan made from it.
 
-    ``task`` is that one with the goal that was planned for.
-
-    ``labels`` are the model's answers; ``perception`` holds what is believed, and goes on
-    from here when somebody executes the plan. ``believed`` are the probabilities of the visual atoms when the plan was
-    made.
+    ``task`` is that one with the goal that was planned for. ``labels`` are the model's answers; ``perception`` holds
+    what is believed, and goes on from here when somebody executes the plan. ``believed`` are the probabilities of the
+    visual atoms when the plan was made.
     """
 
     solver: Solver

@@ -168,5 +168,5 @@ def whole_number(word: Word) -> int:
     except ValueError:
         raise PddlError(word.at, f"expected a number, found {word.text}") from None
     if not 0 <= value <= 1e15 or value != int(value):
-        raise PddlError(word.at, f"costs are whole numbers from 0 on, found {word.text}")
+        raise PddlError(word.at, f"costs are whole numbers from 0 to 10^15, found {word.text[:40]}")
     return int(value)

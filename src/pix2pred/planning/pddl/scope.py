@@ -12,6 +12,7 @@ from pix2pred.structs import Type
 
 T = TypeVar("T")
 MAX_TYPE_DEPTH = 100
+CONNECTIVES = frozenset({"and", "or", "not", "imply", "forall", "exists", "when", "="})
 
 
 @dataclass(slots=True)
@@ -32,6 +33,8 @@ class Scope:
     def look_up(self, known: Mapping[str, T], kind: str, word: Word) -> T:
         """What ``word`` names. Raises ``PddlError``."""
         name = self.original(kind, word.text)
+        if name not in known and word.text in CONNECTIVES:
+            raise PddlError(word.at, f"({word.text} ...) cannot stand here, where {kind} names are due")
         if name not in known:
             raise PddlError(word.at, f"{kind} {word.text} is not declared")
         return known[name]

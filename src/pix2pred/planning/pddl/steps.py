@@ -37,7 +37,7 @@ def read_plan(text: str, domain: PddlDomain, problem: PddlProblem) -> tuple[Pddl
         match = _STEP.match(line)
         words = match[1].split() if match else []
         if not words:
-            raise PddlError(Place(number, 1), f"expected (action object ...), found {line.strip()[:60]}")
+            raise PddlError(Place(number, 1), f"expected one (action object ...) a line, found {line.strip()[:60]}")
         steps.append(PddlStep(action.original(words[0]), tuple(map(thing.original, words[1:]))))
     return tuple(steps)
 

@@ -85,6 +85,8 @@ def parse(text: str) -> Group:
         elif not token.isspace() and not token.startswith(";"):
             if not stack:
                 raise PddlError(at, f"{token!r} stands outside all parentheses")
+            if not token.isprintable():
+                raise PddlError(at, f"{token} holds a character that cannot be shown")
             stack[-1][0].append(Word(token.lower(), at))
     if stack:
         raise PddlError(stack[-1][1], "this parenthesis is never closed")

@@ -39,7 +39,7 @@ class TracePredicateDoc(PredicateDoc):
     """A predicate, whether it is given or a candidate, and its cost (default: its arity)."""
 
     kind: Literal["given", "candidate"]
-    cost: float | None = Field(None, ge=0)
+    cost: float | None = Field(None, ge=0, allow_inf_nan=False)
 
 
 class TraceDemoDoc(Document):
@@ -212,6 +212,8 @@ class _Builder:
             if atom.predicate not in given:
                 raise TracesError(f"{self._path}: {here}: {atom} is not over a given predicate")
             goal.add(contrary(atom) if denied else atom)
+            if contrary(atom) in goal and atom in goal:
+                raise TracesError(f"{self._path}: {here}: {atom} is to hold and not to hold: the goal can never hold")
         return tuple(sorted(goal))
 
     def _listed(
