@@ -5,6 +5,7 @@ from pix2pred.execution.explaining.missing import Missing
 from pix2pred.execution.explaining.rests import Need
 from pix2pred.execution.explaining.scene import PlannedScene, plan_scene
 from pix2pred.execution.guided import Guided, Look
+from pix2pred.execution.pursuit import assume_all
 from pix2pred.execution.solver import Solver
 
-__all__ = ["Guided", "Look", "Missing", "Need", "PlannedScene", "Solver", "TruthOf", "plan_scene"]
+__all__ = ["Guided", "Look", "Missing", "Need", "PlannedScene", "Solver", "TruthOf", "assume_all", "plan_scene"]

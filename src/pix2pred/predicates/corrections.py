@@ -189,7 +189,7 @@ def with_atoms(demo: LabelledDemo, atoms: Iterable[Atom]) -> LabelledDemo:
 def _contraries(predicates: Iterable[Predicate]) -> dict[Predicate, Predicate]:
     """For words that were declared each other's contrary, of which one was labelled alone, the other one."""
     of_model = {(p.source.phrase, p.types): p for p in predicates if isinstance(p.source, FromVLM)}
-    found = {}
+    found: dict[Predicate, Predicate] = {}
     for (phrase, types), predicate in of_model.items():
         assert isinstance(predicate.source, FromVLM), "as collected above"
         for word in predicate.source.opposite[:1]:
