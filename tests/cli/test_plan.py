@@ -22,11 +22,12 @@ from PIL.ExifTags import Base
 import cli.hostile_lamps as lamps
 from command_line import Cli
 from lamps_run import BOMB, learn_lamps
+from pix2pred.cli.guide import TypedPaths
 from pix2pred.planning import is_valid
 from pix2pred.planning.pddl.read import read_domain, read_problem
 from pix2pred.registry import Registry
 from pix2pred.report.plan_page import POLICY
-from pix2pred.structs import GroundOperator, Image
+from pix2pred.structs import Atom, FromVLM, GroundOperator, Image, Object, Predicate, Type
 from pix2pred.vlm import Request
 
 Person = Callable[..., None]
@@ -142,6 +143,16 @@ def test_a_person_executes_with_a_failed_step(cli: Cli, run: Path, types: Person
     document = plan_json(run / "plans/t0")
     assert [e["action"] for e in document["executed"]] == ["Press(robby, l1)"] * 2 + ["Press(robby, l2)"]
     assert document["goal_holds"] and document["executed"][0]["planned_again"]
+
+
+@pytest.mark.parametrize(("line", "tried"), [("y", True), ("", False), (None, False)])
+def test_a_person_is_asked_before_a_plan_is_tried_that_rests_on_what_is_not_seen(
+    capsys: pytest.CaptureFixture[str], types: Person, line: str | None, tried: bool
+) -> None:
+    types(*[] if line is None else [line])
+    atom = Atom(Predicate("lit0", (Type("lamp"),), FromVLM("lit")), (Object("l1", Type("lamp")),))
+    assert TypedPaths().may_assume([atom]) is tried
+    assert "there is one if these hold all the same: lit0(l1)" in " ".join(capsys.readouterr().out.split())
 
 
 def test_the_same_command_goes_on_where_the_input_ended(cli: Cli, run: Path, types: Person) -> None:

@@ -347,3 +347,30 @@ def test_giving_up_has_a_kind_and_a_reason() -> None:
     with pytest.raises(GivenUpError, match=r"no plan any more \(unsolvable\) after Packed|free0\(h\)") as caught:
         pursuit.next()
     assert caught.value.kind == GivingUp.NO_PLAN
+
+
+@pytest.mark.parametrize("tried", [True, False])
+def test_who_decides_is_asked_whether_to_try_what_rests_on_what_is_probably_not_so(tried: bool) -> None:
+    polish = operator("Polish", PREPARE, [X, Y], {lifted(FREE, X)}, {lifted(DONE, Y)}, set())
+    model = WorldModel(VOCABULARY, (DONE, FREE), (polish,), "told")
+    said = START | {"free(h)": "False"}
+    vlm = Told([said], again={"done(a)": ["False", "False"], "free(h)": ["False", "False"]})
+    perception = Believing()(model, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+    planner, asked = Planner(AStar()), list[object]()
+
+    def decide(atoms: Sequence[Atom]) -> bool:
+        asked.extend(atoms)
+        return tried
+
+    pursuit = Pursuit(
+        lambda now, avoided=(): planner.plan((polish,), TASK.objects, now, [DONE(A)]), [[DONE(A)]], [], perception,
+        may_assume=decide,
+    )  # fmt: skip
+    if tried:
+        step = pursuit.next()
+        assert step is not None and names([step]) == ["Polish(h, a)"] and pursuit.turn == Turn.ASSUMED
+    else:
+        with pytest.raises(GivenUpError, match="no plan any more"):
+            pursuit.next()
+    assert asked == [FREE(H)]

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pix2pred.learning.operators.contrary_words import with_contrary_words
 from pix2pred.predicates.correction_rows import CorrectionsError, parse_row, read_rows, row_line
 from pix2pred.predicates.corrections import Corrections
 from pix2pred.predicates.labelling.explanations import explanations
 from pix2pred.structs import (
     Action,
+    Atom,
     Candidate,
     FromHuman,
     FromVLM,
@@ -77,6 +79,23 @@ def test_confidence_follows_its_labels_and_says_nothing_of_corrected_ones() -> N
     assert demo.confidence is not None
     expected = np.array([[0.9, np.nan, np.nan], [0.9, 0.8, np.nan]], dtype=np.float32)
     np.testing.assert_array_equal(demo.confidence, expected)
+
+
+def test_a_corrected_label_holds_for_the_declared_contrary_too() -> None:
+    lit = replace(LIT, source=FromVLM("lit", opposite=("dark",)))
+    said = table()
+    pool = tuple(replace(c, predicate=lit) if c.predicate == LIT else c for c in said.pool)
+    demo = said.demos[0]
+    atoms = tuple(Atom(lit, a.objects) if a.predicate == LIT else a for a in demo.atoms)
+    said = with_contrary_words(replace(said, pool=pool, demos=(replace(demo, atoms=atoms),)))
+    assert [value(said, "dark0(a)", t) for t in (0, 1)] == [1, -1]
+    one = row("label", demo="d", state=1, atom=["lit", "a"], old="unknown", new="true")
+    other = row("label", demo="d", state=0, atom=["dark0", "a"], old="true", new="false")
+    both = Corrections.of([one, other]).apply(said).table
+    assert [value(both, "lit(a)", t) for t in (0, 1)] == [1, 1]
+    assert [value(both, "dark0(a)", t) for t in (0, 1)] == [0, 0]
+    own = row("label", demo="d", state=1, atom=["dark0", "a"], old="unknown", new="true")
+    assert value(Corrections.of([one, own]).apply(said).table, "dark0(a)", 1) == 1, "a row of its own counts"
 
 
 def test_renamed_predicates_keep_the_models_word() -> None:

@@ -15,7 +15,7 @@ from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import nearly_same
 from pix2pred.report.plan_page import render_plan
 from pix2pred.runs.plan_folder import PAGE, PlanFolder, SessionDoc
-from pix2pred.structs import FromSkills
+from pix2pred.structs import Atom, FromSkills
 from pix2pred.structs.plans import Change, effects, signed
 
 POLL = 0.3
@@ -35,6 +35,10 @@ class Photos(Protocol):
 
     def done_unseen(self) -> bool:
         """Whether the skill was executed although the photo shows what the one before showed."""
+        ...
+
+    def may_assume(self, atoms: Sequence[Atom]) -> bool:
+        """Whether to try the only plan there is, which works if ``atoms`` hold although they look otherwise."""
         ...
 
 
@@ -58,6 +62,11 @@ class TypedPaths:
 
     def done_unseen(self) -> bool:
         line = _ask("was it executed all the same (y: yes, Enter: no, I take another photo)? ")
+        return line is not None and line.lower().startswith("y")
+
+    def may_assume(self, atoms: Sequence[Atom]) -> bool:
+        say_assumed(atoms)
+        line = _ask("try that plan (y: yes, Enter: no)? ")
         return line is not None and line.lower().startswith("y")
 
 
@@ -94,6 +103,17 @@ class WatchedFolder:
         say("     taken for not executed; a YAML file beside the photo that lists 'given' says otherwise")
         return False
 
+    def may_assume(self, atoms: Sequence[Atom]) -> bool:
+        say_assumed(atoms)
+        say("     nobody can be asked here: the same command with --interactive and without --photos asks")
+        return False
+
+
+def say_assumed(atoms: Sequence[Atom]) -> None:
+    """That the only plan there is rests on ``atoms``, which do not seem to hold."""
+    held = ", ".join(map(str, atoms))
+    out.print(plain(f"     no plan from what is seen; there is one if these hold all the same: {held}"), markup=False)
+
 
 def _state(path: Path) -> tuple[tuple[int, int], ...]:
     """Times and sizes of the pictures at ``path``."""
@@ -112,8 +132,15 @@ def guide(folder: PlanFolder, session: SessionDoc, scene: PlannedScene, photos: 
 
     Without ``photos`` nothing more is executed: what was, is taken up again and written.
     """
-    guided = Guided(scene)
+    taken_up: list[SeenStep] = []
+
+    def may_assume(atoms: Sequence[Atom]) -> bool:
+        """What the person said: of steps that are taken up again, that there is a next one shows it."""
+        return len(taken_up) + 1 < len(session.executed) or (photos is not None and photos.may_assume(atoms))
+
+    guided = Guided(scene, may_assume=may_assume)
     for look in folder.replay(session, guided):
+        taken_up.append(look)
         if photos is not None:
             _say(guided, look, known=True)
     if photos is None:
@@ -131,6 +158,7 @@ def guide(folder: PlanFolder, session: SessionDoc, scene: PlannedScene, photos: 
             break
         path, seen = photographed
         session = folder.remember(session, guided, path, seen)
+        taken_up = [*guided.looks]  # the step whose photo was just kept is asked about
         _say(guided, guided.observe(seen.state, told=seen.told))
     _save(folder, scene, guided)
     if guided.step is None:

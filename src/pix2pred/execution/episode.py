@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from pix2pred.execution.belief.perception import Perception
 from pix2pred.execution.parameters import Parameters, executed
-from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, GivingUp, PlanFrom, Pursuit
+from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, GivingUp, PlanFrom, Pursuit, assume_all
 from pix2pred.structs import Action, Atom, ExecutedStep, GroundOperator
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.plans import changes_between, signed
@@ -62,7 +62,7 @@ class ClosedLoop:
     ) -> ExecutionResult:
         """Execute ``plan``, made in the state that ``perception`` holds."""
         steps: list[ExecutedStep] = []
-        pursuit = Pursuit(self.plan_from, self.goals, plan, perception, self.max_replans, may_assume=True)
+        pursuit = Pursuit(self.plan_from, self.goals, plan, perception, self.max_replans, may_assume=assume_all)
 
         def failed(how: StepStatus | None, why: str) -> ExecutionResult:
             last = steps[-1] if steps and steps[-1].status != StepStatus.DONE else None

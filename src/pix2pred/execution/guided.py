@@ -11,7 +11,7 @@ from functools import partial
 
 from pix2pred.execution.explaining.missing import Missing, missing
 from pix2pred.execution.explaining.scene import PlannedScene, listed
-from pix2pred.execution.pursuit import GivenUpError, Pursuit, that_of
+from pix2pred.execution.pursuit import GivenUpError, MayAssume, Pursuit, assume_nothing, that_of
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
 from pix2pred.structs.environment import StepStatus
@@ -41,11 +41,11 @@ class SeenStep:
 class Guided:
     """One task, executed step by step by somebody else. ``step`` is the next one; None when it is over.
 
-    ``ended`` is empty while there is a step, and when the goal seems to hold; else it says why there is none. With
-    ``may_assume`` a plan that rests on what is probably not so is tried when there is no other.
+    ``ended`` is empty while there is a step, and when the goal seems to hold; else it says why there is none. When
+    there is no other plan than one that rests on what is probably not so, ``may_assume`` decides whether it is tried.
     """
 
-    def __init__(self, scene: PlannedScene, *, may_assume: bool = False) -> None:
+    def __init__(self, scene: PlannedScene, *, may_assume: MayAssume = assume_nothing) -> None:
         self.scene = scene
         self.seen = scene.seen
         self.looks: list[SeenStep] = []

@@ -75,14 +75,28 @@ class GivenUpError(RuntimeError):
         self.kind = kind
 
 
+MayAssume = Callable[[Sequence[Atom]], bool]
+"""Whether a plan that rests on these atoms may be tried although they look as if they did not hold."""
+
+
+def assume_nothing(atoms: Sequence[Atom]) -> bool:
+    """Give up instead."""
+    return False
+
+
+def assume_all(atoms: Sequence[Atom]) -> bool:
+    """Try it: who watches can stop before every skill."""
+    return True
+
+
 @dataclass(slots=True)
 class Pursuit:
     """A plan being followed; made anew when the atoms that its rest needs do not hold in what is believed.
 
     ``position`` is the number of its steps executed, ``replans`` how often it was made anew. ``turn`` and ``because``
-    say why the step that ``next`` gave last was chosen. ``may_assume`` lets a plan be tried that rests on what is
-    probably not so, when there is no other. Of ``goals``, which are as good, the first is that of ``plan``; a new plan
-    may be for another.
+    say why the step that ``next`` gave last was chosen. ``may_assume`` decides whether a plan is tried that rests on
+    atoms which probably do not hold, when there is no other. Of ``goals``, which are as good, the first is that of
+    ``plan``; a new plan may be for another.
     """
 
     plan_from: PlanFrom
@@ -90,7 +104,7 @@ class Pursuit:
     plan: Sequence[GroundOperator]
     perception: Perception
     max_replans: int = MAX_REPLANS
-    may_assume: bool = False
+    may_assume: MayAssume = assume_nothing
     position: int = 0
     replans: int = 0
     turn: Turn = Turn.FOLLOWED
@@ -175,7 +189,7 @@ class Pursuit:
             self._adopt(found, Turn.OTHERWISE if exhausted else Turn.PLANNED_AGAIN, lacking, ())
             return
         nearest = nearest_plan(self._plan_from, self.goals, self.perception)
-        if nearest is None or (nearest.assumed and not self.may_assume):
+        if nearest is None or (nearest.assumed and not self.may_assume(nearest.assumed)):
             if exhausted:
                 raise _stuck(exhausted)
             missing = ", ".join(str(a) for a in sorted(lacking)[:MOST_NAMED])

@@ -21,13 +21,19 @@ from pix2pred.predicates.correction_rows import (
     StandingRow,
     read_rows,
 )
-from pix2pred.structs import Atom, Label, LabelledDemo, Predicate, TruthTable
+from pix2pred.structs import Atom, FromVLM, Label, LabelledDemo, Predicate, TruthTable
 from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
+
+_TURNED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Label.UNKNOWN}
+"""What a label says of the contrary word."""
 
 
 @dataclass(frozen=True)
 class Corrections:
-    """What the rows amount to. ``count`` is their number."""
+    """What the rows amount to. ``count`` is their number.
+
+    A corrected label holds for the word's declared contrary too, turned round, unless that has a row of its own.
+    """
 
     count: int = 0
     labels: dict[Cell, LabelWord] = field(default_factory=dict)
@@ -142,10 +148,16 @@ class Corrections:
         column = {atom: i for i, atom in enumerate(demo.atoms)}
         values = demo.values.copy()
         confidence = None if demo.confidence is None else demo.confidence.copy()
-        for (_, state, parts), label in mine.items():
-            values[state, column[where[parts]]] = Label[label.upper()]
+        contraries = _contraries(predicates.values())
+        said = {(where[parts], state): Label[label.upper()] for (_, state, parts), label in mine.items()}
+        turned = {
+            (Atom(contraries[atom.predicate], atom.objects), state): _TURNED[label]
+            for (atom, state), label in said.items() if atom.predicate in contraries
+        }  # fmt: skip
+        for (atom, state), label in ({cell: v for cell, v in turned.items() if cell[0] in column} | said).items():
+            values[state, column[atom]] = label
             if confidence is not None:
-                confidence[state, column[where[parts]]] = np.nan  # it was the model's, about its own label
+                confidence[state, column[atom]] = np.nan  # it was the model's, about its own label
         return replace(demo, values=values, confidence=confidence)
 
 
@@ -172,6 +184,19 @@ def with_atoms(demo: LabelledDemo, atoms: Iterable[Atom]) -> LabelledDemo:
         confidence = np.full(values.shape, np.nan, dtype=np.float32)
         confidence[:, old] = demo.confidence
     return replace(demo, atoms=ordered, values=values, confidence=confidence)
+
+
+def _contraries(predicates: Iterable[Predicate]) -> dict[Predicate, Predicate]:
+    """For words that were declared each other's contrary, of which one was labelled alone, the other one."""
+    of_model = {(p.source.phrase, p.types): p for p in predicates if isinstance(p.source, FromVLM)}
+    found: dict[Predicate, Predicate] = {}
+    for (phrase, types), predicate in of_model.items():
+        assert isinstance(predicate.source, FromVLM), "as collected above"
+        for word in predicate.source.opposite[:1]:
+            other = of_model.get((word, types))
+            if other is not None and isinstance(other.source, FromVLM) and phrase in other.source.opposite:
+                found |= {predicate: other, other: predicate}
+    return found
 
 
 def load_corrections(path: Path) -> Corrections:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
-from pix2pred.execution import Guided, PlannedScene, SeenStep, Solver, plan_scene
+from pix2pred.execution import Guided, PlannedScene, SeenStep, Solver, assume_all, plan_scene
 from pix2pred.robots.robot import Outcome, Robot, RobotError
 from pix2pred.structs import Action, Task
 from pix2pred.structs.environment import Step, StepStatus
@@ -126,7 +126,7 @@ def _work(
     if not watcher.planned(scene):
         run.outcome, run.detail = Outcome.DECLINED, "the robot has looked around, and no skill was run"
         return
-    guided = Guided(scene, may_assume=True)  # the watcher may stop before every skill
+    guided = Guided(scene, may_assume=assume_all)  # the watcher may stop before every skill
     while guided.step is not None and len(run.skills) < MOST_SKILLS:
         if not watcher.about_to(guided):
             run.outcome, run.detail = Outcome.STOPPED, "stopped before the next skill"
