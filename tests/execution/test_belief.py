@@ -418,10 +418,10 @@ def test_who_decides_is_asked_whether_to_try_what_rests_on_what_is_probably_not_
         asked.extend(atoms)
         return tried
 
-    pursuit = Pursuit(
-        lambda now, avoided=(), licence=Licence.LEARNED: planner.plan((polish,), TASK.objects, now, [DONE(A)]), [[DONE(A)]], [], perception,
-        may_assume=decide,
-    )  # fmt: skip
+    def plan(now: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED) -> PlanResult:
+        return planner.plan((polish,), TASK.objects, now, [DONE(A)])
+
+    pursuit = Pursuit(plan, [[DONE(A)]], [], perception, may_assume=decide)
     if tried:
         step = pursuit.next()
         assert step is not None and names([step]) == ["Polish(h, a)"] and pursuit.turn == Turn.ASSUMED
