@@ -15,7 +15,8 @@ from pix2pred.execution.belief.belief import Belief, Reading
 from pix2pred.execution.belief.constraints import Constraints, CountedGroup
 from pix2pred.execution.belief.evidence import Answers, log_odds, probability_of
 from pix2pred.execution.belief.perception import AtTheirWord, Believing
-from pix2pred.execution.pursuit import GivenUpError, GivingUp, NearestPlan, Pursuit, nearest_plan, safer_plan
+from pix2pred.execution.doubtful import NearestPlan, nearest_plan, safer_plan
+from pix2pred.execution.pursuit import GivenUpError, GivingUp, Licence, Pursuit
 from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.structs import (
@@ -31,6 +32,7 @@ from pix2pred.structs import (
     Operator,
     Picture,
     PlanResult,
+    PlanStatus,
     Predicate,
     Skill,
     State,
@@ -153,6 +155,24 @@ def test_a_reported_failure_speaks_against_the_preconditions_in_doubt_and_succes
     assert after(StepStatus.STUCK) < -0.1 < after(StepStatus.DONE)
 
 
+def test_the_same_failure_again_and_the_same_label_of_an_unchanged_scene_tell_nothing_new() -> None:
+    polish = operator("Polish", TAKE, [X, Y], {lifted(DONE, Y)}, {lifted(FREE, X)}, set())
+
+    def course(*looks: Mapping[Atom, Reading]) -> list[float]:
+        found = belief()
+        found.start(frozenset(), labels(a=True))
+        probabilities = [found.probability(DONE(A))]
+        for readings in looks:
+            found.advance(polish.ground((H, A)), StepStatus.STUCK, frozenset(), readings)
+            probabilities.append(found.probability(DONE(A)))
+        return probabilities
+
+    first, once, twice = course(labels(a=True), labels(a=True))
+    assert once < first - 0.1 and twice >= once, "the cause of the first failure is that of the second"
+    assert course({}, {}) == pytest.approx([first, once, twice])
+    assert course(labels(a=True), labels(a=False))[-1] < twice - 0.1, "another label is news"
+
+
 def test_an_atom_that_is_always_misread_is_suspected_and_then_no_longer_listened_to() -> None:
     found = belief()
     found.start(frozenset(), labels(free=True, a=False, b=False))
@@ -253,7 +273,7 @@ TASK = Task("pack", (H, A, B), photo(0), (PACKED(A),))
 START = {"free(h)": "True", "done(a)": "False", "done(b)": "False"}
 
 
-def plan_from(state: AbstractState, avoided: Collection[Action] = ()) -> PlanResult:
+def plan_from(state: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED) -> PlanResult:
     return Planner(AStar()).plan(OPERATORS, TASK.objects, state, TASK.goal)
 
 
@@ -333,10 +353,45 @@ def test_a_plan_that_does_not_rest_on_what_is_in_doubt_is_taken_when_it_is_cheap
     perception.start(photo(0))
     doubted = perception.doubts([DONE(A)])
     assert doubted == (DONE(A),)
-    safer = safer_plan(plan_from, perception, doubted, 2)
+    at_hand = plan_from(perception.state).plan
+    safer = safer_plan(plan_from, TASK.goal, perception, at_hand, doubted)
     assert safer is not None and names(safer.plan) == ["Prepare(a)", "Take(h, a)", "Pack(h, a)"]
-    assert safer_plan(plan_from, perception, doubted, -100) is None
-    assert safer_plan(plan_from, perception, (), 2) is None
+    assert safer_plan(plan_from, TASK.goal, perception, safer.plan[:1] * 2, doubted) is None, "it would be longer"
+    assert safer_plan(plan_from, TASK.goal, perception, at_hand, ()) is None
+
+
+def test_a_task_whose_goal_seems_to_hold_without_a_cause_is_not_left() -> None:
+    shown = operator("Show", PACK, [X, Y], {lifted(DONE, Y)}, set(), {lifted(DONE, Y)})
+    often = (Reliability(DONE, 0.02, 0.0, 0.3), RELIABILITY[1])
+    model = WorldModel(VOCABULARY, (DONE, FREE), (OPERATORS[0], shown), "told", often)
+    vlm = Told([START | {"done(a)": "True"}], again={"done(a)": ["True", "True"]})
+    perception = Believing()(model, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+    assert DONE(A) in perception.state and perception.doubts([DONE(A)]) == ()
+
+    def plan(state: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED) -> PlanResult:
+        return Planner(AStar()).plan(model.operators, TASK.objects, state, [DONE(A)])
+
+    assert Pursuit(plan, [[DONE(A)]], (), perception).next() is None, "a person who looks on may leave it"
+    pursuit = Pursuit(plan, [[DONE(A)]], (), perception, resourceful=True)
+    assert pursuit.next() == PREPARE_A and pursuit.turn == Turn.CAUTIOUS and pursuit.because == (DONE(A),)
+
+
+@pytest.mark.parametrize(("b", "expected"), [("Unknown", DONE(B)), ("False", DONE(A))])
+def test_the_likeliest_atoms_are_assumed_and_of_equal_ones_those_with_the_shorter_plan(b: str, expected: Atom) -> None:
+    often = (Reliability(DONE, 0.02, 0.0, 0.3), RELIABILITY[1])
+    model = WorldModel(VOCABULARY, (DONE, FREE), OPERATORS, "told", often)
+    vlm = Told([START | {"done(a)": "Unknown", "done(b)": b}])
+    perception = Believing(ask_again=0)(model, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+
+    def plan(state: AbstractState) -> PlanResult:
+        take = OPERATORS[1].ground
+        plan = (take((H, B)),) if DONE(B) in state else (TAKE_A, take((H, A))) if DONE(A) in state else ()
+        return PlanResult(PlanStatus.SOLVED if plan else PlanStatus.UNSOLVABLE, plan, 0, 0.0)
+
+    found = nearest_plan(plan, [()], perception)
+    assert found is not None and found.assumed == (expected,)
 
 
 def test_giving_up_has_a_kind_and_a_reason() -> None:
@@ -363,10 +418,10 @@ def test_who_decides_is_asked_whether_to_try_what_rests_on_what_is_probably_not_
         asked.extend(atoms)
         return tried
 
-    pursuit = Pursuit(
-        lambda now, avoided=(): planner.plan((polish,), TASK.objects, now, [DONE(A)]), [[DONE(A)]], [], perception,
-        may_assume=decide,
-    )  # fmt: skip
+    def plan(now: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED) -> PlanResult:
+        return planner.plan((polish,), TASK.objects, now, [DONE(A)])
+
+    pursuit = Pursuit(plan, [[DONE(A)]], [], perception, may_assume=decide)
     if tried:
         step = pursuit.next()
         assert step is not None and names([step]) == ["Polish(h, a)"] and pursuit.turn == Turn.ASSUMED

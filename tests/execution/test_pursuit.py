@@ -9,7 +9,7 @@ import pytest
 
 from pix2pred.execution.avoiding import plan_avoiding
 from pix2pred.execution.belief.perception import AtTheirWord
-from pix2pred.execution.pursuit import MOST_TRIES, MOST_WAYS, GivenUpError, GivingUp, Pursuit
+from pix2pred.execution.pursuit import MOST_TRIES, MOST_WAYS, GivenUpError, GivingUp, Licence, Pursuit
 from pix2pred.planning import AStar, Planner
 from pix2pred.predicates import Labeller, LabelSettings
 from pix2pred.structs import (
@@ -46,7 +46,9 @@ ALL_SHUT: AbstractState = frozenset(SHUT(d) for d in DOORS)
 GOAL = (OUT(),)
 
 
-def plan_from(doors: Sequence[Object], seen: AbstractState, avoided: Collection[Action] = ()) -> PlanResult:
+def plan_from(
+    doors: Sequence[Object], seen: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED
+) -> PlanResult:
     return plan_avoiding(Planner(AStar()), (GO,), doors, seen, GOAL, avoided)
 
 
@@ -92,3 +94,52 @@ def test_other_ways_are_tried_when_a_skill_keeps_failing_and_the_episode_ends_af
 def test_without_another_way_the_episode_ends_at_once() -> None:
     steps, _, error = tried(DOORS[:1])
     assert steps == ["Go(d0)"] * MOST_TRIES and error.kind == GivingUp.STUCK
+
+
+BOX, BALL, HAND = Type("box"), Type("ball"), Type("hand")
+H, B0, B1, O0 = Object("h", HAND), Object("b0", BALL), Object("b1", BALL), Object("o0", BOX)
+HOLDING, INSIDE = Predicate("Holding", (HAND, BALL), FromDomain()), Predicate("Inside", (BALL, BOX), FromDomain())
+GRASP, TIP = Skill("Grasp", (HAND, BALL)), Skill("Tip", (HAND, BOX))
+HH, BB, OO = Variable("?h", HAND), Variable("?b", BALL), Variable("?o", BOX)
+GRASPED = Operator(
+    "Grasped", (HH, BB), frozenset(), frozenset({LiftedAtom(HOLDING, (HH, BB))}), frozenset(), GRASP, (HH, BB)
+)
+"""Learned without the precondition that the ball must not be inside a box."""
+
+TIPPED = Operator(
+    "Tipped", (HH, BB, OO), frozenset({LiftedAtom(INSIDE, (BB, OO))}), frozenset(),
+    frozenset({LiftedAtom(INSIDE, (BB, OO))}), TIP, (HH, OO),
+)  # fmt: skip
+
+
+def planned(seen: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED) -> PlanResult:
+    changed = licence is Licence.AFTER_A_CHANGE
+    parts = (Planner(AStar()), (GRASPED, TIPPED), (H, B0, B1, O0), seen, (HOLDING(H, B0),))
+    return plan_avoiding(*parts, avoided, until_changed=changed)
+
+
+def test_what_fails_is_planned_again_after_something_about_its_objects_has_changed() -> None:
+    grasp, inside = Action(GRASP, (H, B0)), frozenset({INSIDE(B0, O0), INSIDE(B1, O0)})
+    assert planned(inside, [grasp]).status == PlanStatus.UNSOLVABLE
+    found = planned(inside, [grasp], Licence.AFTER_A_CHANGE)
+    assert [str(s) for s in found.plan] == ["Tipped(h, b0, o0)", "Grasped(h, b0)"]
+    assert [s.operator for s in found.plan] == [TIPPED, GRASPED]
+    elsewhere = planned(frozenset({INSIDE(B1, O0)}), [grasp], Licence.AFTER_A_CHANGE)
+    assert elsewhere.status == PlanStatus.UNSOLVABLE, "neither another ball nor the hand counts"
+
+
+def test_a_missing_precondition_is_found_out_by_changing_what_there_is_to_change() -> None:
+    model = WorldModel(Vocabulary("balls", (BOX, BALL, HAND), (GRASP, TIP), (HOLDING, INSIDE)), (), (), "told")
+    state: AbstractState = frozenset({INSIDE(B0, O0)})
+    task = Task("grasp", (H, B0, B1, O0), State(given=state), (HOLDING(H, B0),))
+    perception = AtTheirWord(model, task, Labeller(Silent(), LabelSettings()))
+    perception.start(task.initial)
+    pursuit = Pursuit(planned, task.goals, planned(state).plan, perception, resourceful=True)
+    steps = list[str]()
+    while (step := pursuit.next()) is not None:
+        steps.append(str(step))
+        before, works = state, step.operator is TIPPED or not state
+        state = (state - step.delete) | step.add if works else state
+        perception.advance(step, State(given=state), None)
+        pursuit.executed(before, succeeded=works)
+    assert steps == [*["Grasped(h, b0)"] * MOST_TRIES, "Tipped(h, b0, o0)", "Grasped(h, b0)"]

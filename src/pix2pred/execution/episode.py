@@ -62,7 +62,9 @@ class ClosedLoop:
     ) -> ExecutionResult:
         """Execute ``plan``, made in the state that ``perception`` holds."""
         steps: list[ExecutedStep] = []
-        pursuit = Pursuit(self.plan_from, self.goals, plan, perception, self.max_replans, may_assume=assume_all)
+        pursuit = Pursuit(
+            self.plan_from, self.goals, plan, perception, self.max_replans, may_assume=assume_all, resourceful=True
+        )
 
         def failed(how: StepStatus | None, why: str) -> ExecutionResult:
             last = steps[-1] if steps and steps[-1].status != StepStatus.DONE else None

@@ -9,9 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from pix2pred.execution.doubtful import that_of
 from pix2pred.execution.explaining.missing import Missing, missing
 from pix2pred.execution.explaining.scene import PlannedScene, listed
-from pix2pred.execution.pursuit import GivenUpError, MayAssume, Pursuit, assume_nothing, that_of
+from pix2pred.execution.pursuit import GivenUpError, MayAssume, Pursuit, assume_nothing
 from pix2pred.predicates import StateLabels
 from pix2pred.structs import AbstractState, Action, Atom, FromVLM, GroundOperator, State
 from pix2pred.structs.environment import StepStatus

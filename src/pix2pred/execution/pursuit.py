@@ -7,15 +7,14 @@ has one is looked for, and what it rests on is asked about; at last, where nobod
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import StrEnum
+from enum import Enum, StrEnum, auto
 from typing import Protocol
 
 from pix2pred.execution.belief.perception import Perception
-from pix2pred.execution.explaining.rests import initial_needs
+from pix2pred.execution.doubtful import NearestPlan, nearest_plan, safer_plan, simpler, unsure
 from pix2pred.execution.monitor import necessary_atoms
 from pix2pred.structs import (
     AbstractState,
@@ -42,10 +41,6 @@ MOST_WAYS = 3
 """Actions that may fail so often in one and the same state, each when the ones before it are avoided; if three do not
 work where the learned operators say they do, more will not."""
 
-CAUTION = 40.0
-"""What resting on a wrong atom costs, in skills: a wrong step may lead where no learned operator leads away, and then
-all that was done is lost. Tasks of the burger kitchen take 25 to 30 skills, and somebody has to clear up after them."""
-
 MOST_CAUTIONS = 2
 """Times that the plan avoids to rest on one and the same atom: what stays in doubt then has to be relied on."""
 
@@ -53,10 +48,33 @@ MOST_NAMED = 3
 """Atoms named in a reason."""
 
 
+class Licence(Enum):
+    """What a plan may use: what was learned; the same about kinds of objects that no demonstration showed; or an action
+    that failed again and again, once something about its objects has changed."""
+
+    LEARNED = auto()
+    BY_ANALOGY = auto()
+    AFTER_A_CHANGE = auto()
+
+
 class PlanFrom(Protocol):
     """Makes a plan from a state, one without the actions ``avoided``."""
 
-    def __call__(self, seen: AbstractState, /, avoided: Collection[Action] = ()) -> PlanResult: ...
+    def __call__(
+        self, seen: AbstractState, /, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED
+    ) -> PlanResult: ...
+
+
+LICENCES: Mapping[Licence, Turn] = {
+    Licence.AFTER_A_CHANGE: Turn.OTHERWISE,
+    Licence.BY_ANALOGY: Turn.BY_ANALOGY,
+}
+"""In which order they are tried, and what is said of it: what fails again and again lacks something that was not
+learned."""
+
+UNLIKELY: Mapping[Licence, float] = {Licence.LEARNED: 0.0, Licence.BY_ANALOGY: 1.0, Licence.AFTER_A_CHANGE: 3.0}
+"""Nats against such a plan, to be compared with those against atoms that would have to hold: what a skill does to one
+thing it mostly does to another; that a change helps, whatever it is, is a guess."""
 
 
 class GivingUp(StrEnum):
@@ -95,7 +113,8 @@ class Pursuit:
 
     ``position`` is the number of its steps executed, ``replans`` how often it was made anew. ``turn`` and ``because``
     say why the step that ``next`` gave last was chosen. ``may_assume`` decides whether a plan is tried that rests on
-    atoms which probably do not hold, when there is no other. Of ``goals``, which are as good, the first is that of
+    atoms which probably do not hold, when there is no other; who is ``resourceful`` tries what was not learned as well,
+    and does not leave a task whose goal may not hold. Of ``goals``, which are as good, the first is that of
     ``plan``; a new plan may be for another.
     """
 
@@ -105,6 +124,7 @@ class Pursuit:
     perception: Perception
     max_replans: int = MAX_REPLANS
     may_assume: MayAssume = assume_nothing
+    resourceful: bool = False
     position: int = 0
     replans: int = 0
     turn: Turn = Turn.FOLLOWED
@@ -122,13 +142,12 @@ class Pursuit:
         too often in this state and there is no other way.
         """
         self.turn, self.because = Turn.FOLLOWED, ()
-        needed = self._needed()
-        self._check(needed)
-        chosen = self._step()
-        tried = chosen is not None and _action(chosen) in self._exhausted()
-        if tried or not needed <= self.perception.state | self._assumed:
-            self._plan_again(needed)
+        self._check(self._needed())
+        self._go_on()
         self._be_cautious()
+        if self._step() is None and self.resourceful:
+            self._doubt_the_goal()
+            self._go_on()
         chosen = self._step()
         if chosen is not None and chosen == self._failed:
             self.turn = Turn.REPEATED
@@ -147,7 +166,19 @@ class Pursuit:
 
     def _needed(self) -> AbstractState:
         """What must hold now for the rest of the plan to succeed."""
-        return necessary_atoms(self.plan, self._goal or self.goals[0])[self.position]
+        return necessary_atoms(self.plan, self._aim)[self.position]
+
+    @property
+    def _aim(self) -> Sequence[Atom]:
+        """The goal that the plan is for."""
+        return self._goal or self.goals[0]
+
+    def _go_on(self) -> None:
+        """With the plan at hand if it can be followed, or else with a new one."""
+        needed, chosen = self._needed(), self._step()
+        tried = chosen is not None and _action(chosen) in self._exhausted()
+        if tried or not needed <= self.perception.state | self._assumed:
+            self._plan_again(needed)
 
     def _check(self, needed: AbstractState) -> None:
         """Ask about what the rest of the plan needs, or is there to bring about, where it is in doubt."""
@@ -161,10 +192,21 @@ class Pursuit:
         """Take a plan that does not rest on what is in doubt, if it is not much longer."""
         needed = self._needed() & self.perception.state
         doubted = [a for a in self.perception.doubts(needed) if self._cautions[a] < MOST_CAUTIONS]
-        safer = safer_plan(self._plan_from, self.perception, doubted, len(self.plan) - self.position)
+        rest = self.plan[self.position :]
+        safer = safer_plan(self._plan_from, self._aim, self.perception, rest, doubted)
         if safer is not None:
             self._cautions.update(doubted)
             self._adopt(safer, Turn.CAUTIOUS, doubted, ())
+
+    def _doubt_the_goal(self) -> None:
+        """What seems to hold of the goal, but may not: to go on costs little beside leaving it undone."""
+        self.perception.ask(unsure(self._aim, self.perception), WhyAsked.IN_DOUBT)
+        doubted = [a for a in unsure(self._aim, self.perception) if self._cautions[a] < MOST_CAUTIONS]
+        if doubted:
+            nearest = nearest_plan(lambda state: self._plan_from(state - set(doubted)), self.goals, self.perception)
+            if nearest is not None and nearest.found.plan:
+                self._cautions.update(doubted)
+                self._adopt(nearest.found, Turn.CAUTIOUS, doubted, nearest.assumed)
 
     def _exhausted(self) -> Sequence[Action]:
         """Actions that failed again and again in this state: what is believed of it is not all there is to it."""
@@ -189,6 +231,8 @@ class Pursuit:
             self._adopt(found, Turn.OTHERWISE if exhausted else Turn.PLANNED_AGAIN, lacking, ())
             return
         nearest = nearest_plan(self._plan_from, self.goals, self.perception)
+        if (nearest is None or nearest.assumed) and self.resourceful and self._otherwise(nearest, lacking):
+            return
         if nearest is None or (nearest.assumed and not self.may_assume(nearest.assumed)):
             if exhausted:
                 raise _stuck(exhausted)
@@ -197,6 +241,20 @@ class Pursuit:
             raise GivenUpError(GivingUp.NO_PLAN, why)
         turn = Turn.ASSUMED if nearest.assumed else Turn.PLANNED_AGAIN
         self._adopt(nearest.found, turn, nearest.assumed or lacking, nearest.assumed)
+
+    def _otherwise(self, nearest: NearestPlan | None, lacking: Iterable[Atom]) -> bool:
+        """Try what was not learned, where that is likelier to help than what is probably not so; whether there is."""
+        exhausted = self._exhausted()
+        for licence, turn in LICENCES.items():
+            if licence is Licence.AFTER_A_CHANGE and not exhausted:
+                continue
+            found = self.plan_from(self.perception.state, exhausted, licence)
+            if found.status == PlanStatus.SOLVED and (
+                nearest is None or simpler(found, UNLIKELY[licence], nearest, self.perception)
+            ):
+                self._adopt(found, turn, lacking, ())
+                return True
+        return False
 
     def _adopt(self, found: PlanResult, turn: Turn, because: Iterable[Atom], assumed: Iterable[Atom]) -> None:
         self.plan, self._goal, self.position, self.turn = found.plan, found.goal, 0, turn
@@ -209,74 +267,3 @@ def _stuck(exhausted: Sequence[Action]) -> GivenUpError:
 
 def _action(step: GroundOperator) -> Action:
     return Action(step.operator.skill, step.skill_objects)
-
-
-def safer_plan(
-    plan_from: Callable[[AbstractState], PlanResult], perception: Perception, doubted: Sequence[Atom], length: int
-) -> PlanResult | None:
-    """A plan that works even if the atoms ``doubted``, which probably hold, do not; None when it costs too much.
-
-    It may be longer than the plan at hand, of ``length`` steps, by what that one risks: ``CAUTION`` times the
-    probability that an atom it rests on does not hold.
-    """
-    if not doubted:
-        return None
-    found = plan_from(perception.state - set(doubted))
-    risk = 1 - math.prod(perception.probability(a) for a in doubted)
-    if found.status == PlanStatus.SOLVED and len(found.plan) <= length + CAUTION * risk:
-        return found
-    return None
-
-
-def that_of(found: PlanResult, goals: Iterable[tuple[Atom, ...]]) -> list[tuple[Atom, ...]]:
-    """``goals``, the one that ``found`` was planned for first."""
-    return sorted(goals, key=lambda goal: goal != found.goal)
-
-
-@dataclass(frozen=True, slots=True)
-class NearestPlan:
-    """A plan that exists if the atoms ``assumed``, which are taken for false, hold; none when the belief changed."""
-
-    found: PlanResult
-    assumed: tuple[Atom, ...]
-
-
-def nearest_plan(
-    plan_from: Callable[[AbstractState], PlanResult], goals: Sequence[Sequence[Atom]], perception: Perception
-) -> NearestPlan | None:
-    """A plan from the nearest state that has one, after what differs was asked about; None when there is none.
-
-    Preconditions are positive, so that there is a plan from some state in doubt if and only if there is one from the
-    state in which all atoms hold that may hold. Of these the probable ones are tried first. That the goal itself holds
-    in part is assumed only if nothing else helps, and that it holds altogether never: there would be nothing to do.
-    Of several ``goals`` ``plan_from`` chooses.
-    """
-    wanted = {atom for goal in goals for atom in goal}
-    for assumable in ([a for a in perception.possible() if a not in wanted], perception.possible()):
-        nearest = _nearest_of(assumable, plan_from, goals[0], perception)
-        if nearest is not None:
-            return nearest if nearest.found.plan or not nearest.assumed else None
-    return None
-
-
-def _nearest_of(
-    possible: Sequence[Atom],
-    plan_from: Callable[[AbstractState], PlanResult],
-    goal: Sequence[Atom],
-    perception: Perception,
-) -> NearestPlan | None:
-    """The same for states that differ in some of the atoms ``possible`` alone."""
-    for count in sorted({1, len(possible) // 2, len(possible)} - {0}):
-        if count > len(possible):
-            break
-        found = plan_from(perception.state | set(possible[:count]))
-        if found.status != PlanStatus.SOLVED:
-            continue
-        rests_on = initial_needs(found.plan, found.goal or goal)
-        differ = tuple(a for a in possible if a in rests_on)
-        if perception.ask(differ, WhyAsked.NO_PLAN):
-            again = plan_from(perception.state)
-            if again.status == PlanStatus.SOLVED:
-                return NearestPlan(again, ())
-        return NearestPlan(found, tuple(a for a in differ if a not in perception.state))
-    return None

@@ -6,14 +6,16 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
+from pix2pred.execution.analogies import plan_by_analogy
 from pix2pred.execution.avoiding import plan_avoiding
 from pix2pred.execution.belief.denials import SeeingDenials
 from pix2pred.execution.belief.perception import AtTheirWord, Believing, Perceiving, Perception
+from pix2pred.execution.doubtful import nearest_plan, safer_plan, that_of
 from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, open_loop
 from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
 from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
-from pix2pred.execution.pursuit import nearest_plan, safer_plan, that_of
+from pix2pred.execution.pursuit import Licence
 from pix2pred.planning import TaskPlanner
 from pix2pred.planning.alternatives import Goal, best_way
 from pix2pred.predicates import StateLabeller
@@ -126,9 +128,13 @@ class Solver:
             if perception.ask(perception.doubts(resting | made), WhyAsked.IN_DOUBT):
                 found = self.plan_from(task, perception.state)
             doubted = perception.doubts(initial_needs(found.plan, found.goal or task.goal) & perception.state)
-            safer = safer_plan(partial(self.plan_from, task), perception, doubted, len(found.plan))
+            aim = found.goal or task.goal
+            safer = safer_plan(partial(self.plan_from, task), aim, perception, found.plan, doubted)
             return found if safer is None else replace(safer, nodes=found.nodes, seconds=found.seconds)
         nearest = nearest_plan(partial(self.plan_from, task), task.goals, perception)
+        if nearest is None and self.closed_loop:
+            by_analogy = self.plan_from(task, perception.state, licence=Licence.BY_ANALOGY)
+            return by_analogy if by_analogy.status == PlanStatus.SOLVED else found
         if nearest is None or (nearest.assumed and not self.closed_loop):
             return found
         return replace(nearest.found, nodes=found.nodes, seconds=found.seconds)
@@ -136,21 +142,32 @@ class Solver:
     def _parameters(self, task: Task, announce: Announce = tell_nobody) -> Parameters:
         return Parameters.for_task(self.samplers, self.seed, task, announce)
 
-    def plan_from(self, task: Task, seen: AbstractState, avoided: Collection[Action] = ()) -> PlanResult:
-        """A plan for ``task`` from the state ``seen``, without the actions ``avoided``.
+    def plan_from(
+        self, task: Task, seen: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED
+    ) -> PlanResult:
+        """A plan for ``task`` from the state ``seen``, without the actions ``avoided``, of what ``licence`` permits.
 
         Of several goals the one that takes the fewest steps is planned for.
         """
-        operators = self.operators(task)
+        learned, objects = self.operators(task), task.objects
+        changed = licence is Licence.AFTER_A_CHANGE
 
-        def plan(goal: Goal) -> PlanResult:
-            given = (operators, task.objects, seen, goal)
-            found = plan_avoiding(self.planner, *given, avoided) if avoided else self.planner.plan(*given)
+        def plan(goal: Goal, operators: Sequence[Operator], state: AbstractState) -> PlanResult:
+            given = (operators, objects, state, goal)
+            if avoided:
+                return plan_avoiding(self.planner, *given, avoided, until_changed=changed)
+            return self.planner.plan(*given)
+
+        def way(goal: Goal) -> PlanResult:
+            if licence is Licence.BY_ANALOGY:
+                found = plan_by_analogy(partial(plan, goal), learned, objects, seen)
+            else:
+                found = plan(goal, learned, seen)
             if len(found.plan) > self.max_skills:
                 return PlanResult(PlanStatus.BUDGET, (), found.nodes, found.seconds)
             return found
 
-        return best_way(task.goals, plan) if task.alternatives else plan(task.goal)
+        return best_way(task.goals, way) if task.alternatives else way(task.goal)
 
     def _diagnose(
         self,

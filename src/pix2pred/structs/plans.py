@@ -63,6 +63,7 @@ class Turn(StrEnum):
     OTHERWISE = "another way is tried because a skill failed again and again"
     ASSUMED = "the plan rests on what is in doubt"
     CAUTIOUS = "the plan avoids to rest on what is in doubt"
+    BY_ANALOGY = "a skill is tried with a kind of object that it was never shown with"
 
 
 class WhyAsked(StrEnum):

@@ -41,7 +41,8 @@ MOST_ERROR = 0.45
 class Track:
     """What is known of one atom, as log odds: ``past`` from before and from skills, ``labels`` from labels since.
 
-    ``answers`` were given about the latest picture, each wrong with probability ``error``. ``tested``: a skill has told
+    ``said`` is the latest label, and ``answers``, with it, were given about the latest picture, each wrong with
+    probability ``error``. ``tested``: a skill has told
     something about the atom; ``agreed``: since then, some label agreed with all else that is known; ``conflicts``
     counts the labels that contradicted it before any agreed. A change that nobody foresaw looks different: there,
     labels agree first.
@@ -49,6 +50,7 @@ class Track:
 
     past: float
     labels: float = 0.0
+    said: bool | None = None
     answers: Answers = NO_ANSWER
     error: float = 0.0
     tested: bool = False
@@ -106,6 +108,7 @@ class Belief:
         self._most_labels = log_odds(1 - settings.misread)
         self._certainly = log_odds(1 - settings.doubt)
         self.certain: AbstractState = frozenset()
+        self._failed: set[GroundOperator] = set()
         self._odds = [t.past for t in self._tracks]
         self._state: AbstractState | None = None
 
@@ -150,8 +153,10 @@ class Belief:
         """A look after ``step`` was tried; ``reported`` is how it ended, where somebody says so."""
         exact = [a for a in sorted((*step.add, *step.delete)) if a not in self._number]
         worked = self._worked(step, reported, certain, exact)
-        if exact or reported is not None:
+        failed = reported not in (StepStatus.DONE, None)
+        if (exact or reported is not None) and not (failed and step in self._failed):
             self._blame(step, worked)
+        self._failed = {*self._failed, step} if failed else set()
         success = worked.posterior(self._holds(step.preconditions))
         drift = self._settings.drift
         added, deleted = self._numbers(step.add), self._numbers(step.delete)
@@ -164,7 +169,7 @@ class Belief:
             else:
                 before = probability_of(track.past)
                 track.past = log_odds(before * (1 - drift) + (1 - before) * drift)
-        self._join(certain, readings)
+        self._join(certain, readings, afresh=not failed)
 
     def given_are(self, certain: AbstractState) -> None:
         """Somebody tells which given atoms hold now."""
@@ -175,10 +180,8 @@ class Belief:
     def answered(self, atom: Atom, value: bool) -> None:
         """A further answer about the picture of the latest look."""
         track = self._tracks[self._number[atom]]
-        error = track.error or self.error(atom.predicate)
-        before, track.answers = track.answers, track.answers.plus(value)
-        sticky = self._settings.sticky
-        self._add(track, track.answers.log_odds(error, sticky) - before.log_odds(error, sticky))
+        track.error = track.error or self.error(atom.predicate)
+        self._answer(track, value)
         self._inform()
 
     def error(self, predicate: Predicate) -> float:
@@ -188,28 +191,40 @@ class Belief:
     def _numbers(self, atoms: Iterable[Atom]) -> set[int]:
         return {self._number[a] for a in atoms if a in self._number}
 
-    def _join(self, certain: AbstractState, readings: Readings) -> None:
-        """Add the labels of a look, and learn from them how often labels are wrong."""
-        for track in self._tracks:
-            track.answers, track.error = NO_ANSWER, 0.0
+    def _join(self, certain: AbstractState, readings: Readings, *, afresh: bool = True) -> None:
+        """Add the labels of a look, and learn from them how often labels are wrong.
+
+        After a skill that failed the scene is mostly what it was: unless it is looked at ``afresh``, labels are further
+        answers about the latest picture, and one that is repeated tells nothing.
+        """
+        for track in self._tracks if afresh else ():
+            track.said, track.answers, track.error = None, NO_ANSWER, 0.0
         self.given_are(certain)
-        read = [(self._number[a], a.predicate, reading) for a, reading in readings.items()]
+        read = [
+            (number, a.predicate, reading)
+            for a, reading in readings.items()
+            if self._tracks[number := self._number[a]].said != reading.value
+        ]
         for number, predicate, reading in read:
             track = self._tracks[number]
-            track.error = self.error(predicate)
+            if track.answers == NO_ANSWER:
+                track.error = self.error(predicate)
             if reading.confidence is not None:
                 track.error = min(MOST_ERROR, max(track.error, 1 - reading.confidence))
-            track.answers = NO_ANSWER.plus(reading.value)
             otherwise = self._odds[number] - (0.0 if self._suspected(track) else track.labels)
             if abs(otherwise) > self._certainly:
                 track.compare(reading.value == (otherwise > 0))
-            self._add(track, track.answers.log_odds(track.error, self._settings.sticky))
+            track.said = reading.value
+            self._answer(track, reading.value)
         self._inform()
         for number, predicate, reading in read:
             right = probability_of(self._odds[number])
             self._rates[predicate].count(1 - right if reading.value else right)
 
-    def _add(self, track: Track, evidence: float) -> None:
+    def _answer(self, track: Track, value: bool) -> None:
+        """One answer more about the latest picture."""
+        before, track.answers, sticky = track.answers, track.answers.plus(value), self._settings.sticky
+        evidence = track.answers.log_odds(track.error, sticky) - before.log_odds(track.error, sticky)
         track.labels = within(track.labels + evidence, self._most_labels)
 
     def _inform(self) -> None:

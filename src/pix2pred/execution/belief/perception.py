@@ -148,6 +148,7 @@ class BelievingPerception:
         self._shown = State()
         self._looks = 0
         self._asked: set[Atom] = set()
+        self._left = 0
         self.questions: list[Question] = []
 
     @property
@@ -166,13 +167,16 @@ class BelievingPerception:
         return self.belief.suspects
 
     def start(self, state: State) -> AbstractState:
-        self._shown, self._looks, self._asked = state, 0, set()
+        self._shown, self._looks = state, 0
+        self._asked, self._left = set(), self._how.ask_again
         held = self._abstraction.start(state)
         self.belief.start(self._given(held), self._readings())
         return self.state
 
     def advance(self, step: GroundOperator, state: State, reported: StepStatus | None) -> AbstractState:
-        self._shown, self._looks, self._asked = state, self._looks + 1, set()
+        self._shown, self._looks = state, self._looks + 1
+        self._asked = set() if reported in (None, StepStatus.DONE) else self._asked
+        self._left = self._how.ask_again
         held = self._abstraction.advance(Action(step.operator.skill, step.skill_objects), state)
         self.belief.advance(step, reported, self._given(held), self._readings())
         return self.state
@@ -194,13 +198,14 @@ class BelievingPerception:
         return tuple(sorted(likely, key=lambda a: (-self.belief.odds(a), a)))
 
     def ask(self, atoms: Sequence[Atom], why: WhyAsked) -> bool:
-        """No atom is asked about twice in one look: the questions of each are used up by then."""
+        """No atom is asked about twice in one scene: the questions of each are used up by then."""
         before = self.state
         for atom in atoms:
             if atom in self._asked or atom not in self._abstraction.labels.values:
                 continue
-            if len(self._asked) >= self._how.ask_again:
+            if not self._left:
                 break
+            self._left -= 1
             self._asked.add(atom)
             self._ask(atom, why)
         return self.state != before
