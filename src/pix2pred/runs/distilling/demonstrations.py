@@ -25,7 +25,8 @@ LEAST_WEIGHT = 0.2
 class TeachingMaterial:
     """Looks with their labels, the demonstration or episode of each, and counts for the card.
 
-    ``predicates`` are those that are taught; ``lost`` counts looks without a picture.
+    ``predicates`` are those that are taught; ``digests`` are those of each look's pictures; ``lost`` counts looks
+    without a picture.
     """
 
     model: WorldModel
@@ -33,7 +34,7 @@ class TeachingMaterial:
     looks: list[Look] = field(default_factory=list)
     groups: list[str] = field(default_factory=list)
     examples: list[Example] = field(default_factory=list)
-    digests: set[tuple[str, ...]] = field(default_factory=set)
+    digests: list[tuple[str, ...]] = field(default_factory=list)
     demonstrations: int = 0
     episodes: int = 0
     corrected: int = 0
@@ -45,11 +46,11 @@ class TeachingMaterial:
         """The words of the predicates."""
         return {str(p.source.phrase) for p in self.predicates if isinstance(p.source, FromVLM)}
 
-    def add(self, look: Look, group: str) -> int:
-        """Add a look; gives its number."""
+    def add(self, look: Look, group: str, digests: tuple[str, ...]) -> int:
+        """Add a look whose pictures have these digests: reading them again would take longer. Gives its number."""
         self.looks.append(look)
         self.groups.append(group)
-        self.digests.add(tuple(p.image.digest for p in look.pictures))
+        self.digests.append(digests)
         return len(self.looks) - 1
 
 
@@ -105,7 +106,7 @@ def _add_demo(
         if len(pictures) < len(docs) or not docs:
             found.lost += 1
             continue
-        number = found.add(Look(pictures, types), demo.name)
+        number = found.add(Look(pictures, types), demo.name, tuple(doc.digest for doc in docs))
         for column, atom in columns:
             label = Label(int(demo.values[state, column]))
             doubt = doubts.get((demo.name, atom, state))

@@ -90,8 +90,8 @@ def _answers_of(folder: Path) -> AnswerStore:
 
 def _made_from(found: TeachingMaterial, teacher: str) -> MadeFrom:
     digest = hashlib.sha256()
-    for look, group in zip(found.looks, found.groups, strict=True):
-        digest.update(json.dumps([group, *(p.image.digest for p in look.pictures)]).encode())
+    for group, pictures in zip(found.groups, found.digests, strict=True):
+        digest.update(json.dumps([group, *pictures]).encode())
     for e in found.examples:
         digest.update(json.dumps([e.look, e.word, e.names, e.label, round(e.weight, 6)]).encode())
     return MadeFrom(

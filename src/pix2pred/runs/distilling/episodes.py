@@ -27,18 +27,18 @@ def add_episodes(found: TeachingMaterial, answers: AnswerStore, teacher: str, st
     for entry in read_all(answers):
         if entry.model == teacher and entry.purpose in _LABELLING and entry.answer.finish == Finish.COMPLETE:
             _read(entry, found.words, asked)
-    before = len(found.looks)
+    before, known = len(found.looks), set(found.digests)
     names: dict[LookKey, str] = {}
     weighed = weighed_labels(asked, found.model)
     for key, state in asked.looks.items():
-        if key in found.digests or not state.votes:
+        if key in known or not state.votes:
             continue
         pictures = tuple(_pictures(state, stores))
         if len(pictures) < len(state.pictures):
             found.lost += 1
             continue
         episode = names.setdefault(asked.root(key), f"episode {found.episodes + len(names)}")
-        number = found.add(Look(pictures, state.types), episode)
+        number = found.add(Look(pictures, state.types), episode, key)
         for (word, objects), (label, weight) in weighed[key].items():
             if weight >= LEAST_WEIGHT:
                 found.examples.append(Example(number, word, objects, label, weight))
