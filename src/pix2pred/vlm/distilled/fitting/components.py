@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from pix2pred.vlm.distilled.codes import PartCode, RegionCode
@@ -46,6 +45,8 @@ def _part_code(part: Array, groups: NDArray[np.int64], count: int) -> PartCode:
 
 def _components(part: Array, count: int) -> tuple[Array, Array, Array]:
     """Mean, components and their deviations, rounded as they are stored."""
+    import scipy.linalg  # a quarter of a second, which only teaching needs
+
     mean = part.mean(axis=0)
     centred = (part - mean).astype(np.float64)
     few = len(part) < part.shape[1]  # the products of rows have the same components, and there are fewer of them

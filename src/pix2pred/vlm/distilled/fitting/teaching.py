@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from pix2pred.vlm.distilled.calibration import Calibration, calibrate
@@ -174,6 +173,8 @@ def _left_out(own: Compared, mine: WordRows, truth: Floats, kernel: Kernel, ridg
 
 def _inverse(matrix: Floats) -> Floats:
     """Of a positive definite matrix, in half the time that any other takes."""
+    import scipy.linalg  # a quarter of a second, which only teaching needs
+
     factor, failed = scipy.linalg.lapack.dpotrf(matrix, lower=True)
     if failed:  # rounding: codes have single precision
         inverted: Floats = scipy.linalg.inv(matrix, check_finite=False)
