@@ -66,9 +66,9 @@ BUFFET = Board("buffet", 1.21, FREE_PLACES)
 BANQUET = Board(
     "banquet",
     1.07,
-    free=((0.80, 0.24), (0.80, -0.24), (0.80, 0.46), (0.80, -0.46), *FREE_PLACES[6:]),
+    free=(*FREE_PLACES[:4], *FREE_PLACES[6:]),
     bowls=(*((0.54, 0.24 * k) for k in range(-3, 4)), *FREE_PLACES[4:6]),
-    fruits=((0.68, 0.12), (0.68, -0.12), (0.68, 0.36), (0.68, -0.36), (0.68, 0.60), (0.68, -0.60)),
+    fruits=((0.66, 0.12), (0.66, -0.12), (0.66, 0.36), (0.66, -0.36), (0.66, 0.60), (0.66, -0.60)),
 )
 """A deeper one, with room for a row of bowls and for fruit before the juicers."""
 

@@ -29,6 +29,9 @@ class _LeadingOn(Heuristic):
     def __call__(self, state: int) -> int | None:
         return None if self._everything(state) is None else self._estimate(state)
 
+    def after(self, parent: int, k: int, state: int) -> int | None:
+        return None if self._everything(state) is None else self._estimate.after(parent, k, state)
+
 
 @dataclass(frozen=True, slots=True)
 class OneByOne:
@@ -77,7 +80,7 @@ class OneByOne:
         found = AStar(landmark_cut, nodes, self.symmetries_after)(part)
         if everything(_after(part, part.initial, found.plan)) is not None:
             return found
-        return AStar(lambda task: _LeadingOn(task, everything), nodes, self.symmetries_after)(part)
+        return AStar(lambda task: _LeadingOn(task, everything), nodes // 4, self.symmetries_after)(part)
 
 
 def _after(task: Strips, state: int, plan: Sequence[int]) -> int:
