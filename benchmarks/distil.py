@@ -10,7 +10,7 @@ number of episodes is added to OUT/rows.jsonl; what is there is not computed aga
 
 Scenes, tasks and looks are those of the seed, whatever the rate, and are drawn once and kept in OUT. A state that was
 seen before after the same skills of the same task is not drawn again. With --minutes it stops between two pieces of the
-work (a few scenes, learning, five episodes, a row), and goes on when it is run again.
+work (a few scenes, learning, five episodes, a reader, tasks), and goes on when it is run again.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import json
 import pickle
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, cached_property
@@ -164,9 +164,14 @@ class World:
 
     @cache  # noqa: B019  (a world lives as long as the program)
     def tasks(self, seed: int, count: int) -> Sequence[SimulatedTask]:
-        """The first tasks of another seed."""
-        made: Sequence[SimulatedTask] = self.domain.tasks(self.family, self.seed + seed, count)
-        return made
+        """The first tasks of another seed, drawn once."""
+        path = self._kept.with_suffix(f".{seed}.{count}")
+        if not path.exists():
+            made = self.domain.tasks(self.family, self.seed + seed, count)
+            path.with_suffix(".new").write_bytes(pickle.dumps(made))
+            path.with_suffix(".new").replace(path)
+        found: Sequence[SimulatedTask] = pickle.loads(path.read_bytes())
+        return found
 
     def fresh(self, wanted: int) -> list[tuple[State, Sequence[Object]]]:
         """States of other seeds: of demonstrations, and the first ones of tasks."""
@@ -323,42 +328,53 @@ class Study:
             stores.append(folder)
         return tuple(stores)
 
-    @cache  # noqa: B019  (a study lives as long as the program)
-    def alone(self, tasks: int) -> tuple[int, int]:
+    def kept(self, name: str, measure: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """What was measured under a name, measured once."""
+        path = self.out / f"{name}.json"
+        if not path.exists():
+            self.world.pieces.begin()
+            found = measure()
+            self.world.save()
+            path.write_text(json.dumps(found))
+        loaded: dict[str, Any] = json.loads(path.read_text())
+        return loaded
+
+    def alone(self, tasks: int) -> dict[str, Any]:
         """Tasks that the teacher solves without a reader, and the questions it is asked."""
-        kept = self.out / f"alone-{tasks}.json"
-        if not kept.exists():
-            asked = Counting(self.teacher)
-            solved = self.solve(asked, self.world.tasks(TASK_SEED, tasks)) if tasks else 0
-            kept.write_text(json.dumps([solved, asked.questions]))
-        solved, questions = json.loads(kept.read_text())
-        return solved, questions
+        asked = Counting(self.teacher)
+        solved = self.solve(asked, self.world.tasks(TASK_SEED, tasks)) if tasks else 0
+        return {"solved_by_teacher": solved, "questions_of_teacher": asked.questions}
+
+    def cascaded(self, folder: Path, tasks: int) -> dict[str, Any]:
+        """Tasks that are solved with the reader before its teacher, and who said how much."""
+        asked = Counting(self.teacher)
+        cascade = Cascade(DistilledReader(*read_reader(folder)), asked, _said)
+        solved = self.solve(cascade, self.world.tasks(TASK_SEED, tasks)) if tasks else 0
+        said = cascade.tally.as_dict()
+        counts = {k: said[k] for k in ("by_reader", "by_model", "checked", "differed")}
+        return {"tasks": tasks, "solved": solved, "questions": asked.questions} | counts
+
+    def taught(self, folder: Path, stores: tuple[Path, ...]) -> dict[str, Any]:
+        """Distil a reader."""
+        start = time.process_time()
+        distil(ReaderSources(self.run.path, stores), folder)
+        return {"distil_seconds": round(time.process_time() - start, 1)}
 
     def row(self, episodes: int, looks: int, tasks: int) -> dict[str, Any]:
-        folder = self.out / f"reader-{episodes}"
-        run = self.run
-        stores = self.episodes(episodes)
+        folder, stores = self.out / f"reader-{episodes}", self.episodes(episodes)
+        taught = self.kept(f"taught-{episodes}", lambda: self.taught(folder, stores))
         fresh = self.world.fresh(looks)
-        self.world.pieces.begin()
-        start = time.process_time()
-        card = distil(ReaderSources(run.path, stores), folder)
-        seconds = time.process_time() - start
-        reader = DistilledReader(*read_reader(folder))
-        asked = Counting(self.teacher)
-        cascade = Cascade(reader, asked, _said)
-        solved = self.solve(cascade, self.world.tasks(TASK_SEED, tasks)) if tasks else 0
-        by_teacher, questions_of_teacher = self.alone(tasks)
-        said = cascade.tally.as_dict()
+        read = self.kept(f"read-{episodes}-{looks}", lambda: self.read(folder, fresh))
+        alone = self.kept(f"alone-{tasks}", lambda: self.alone(tasks))
+        cascaded = self.kept(f"cascaded-{episodes}-{tasks}", lambda: self.cascaded(folder, tasks))
+        _, card, _ = read_reader(folder)
         return {
             "domain": self.world.domain.name, "family": self.world.family, "rate": self.rate, "seed": self.world.seed,
-            "episodes": episodes, **self.read(folder, fresh),
-            "tasks": tasks, "solved": solved, "solved_by_teacher": by_teacher,
-            "questions": asked.questions, "questions_of_teacher": questions_of_teacher,
-            **{k: v for k, v in said.items() if k in ("by_reader", "by_model", "checked", "differed")},
+            "episodes": episodes, **read, **cascaded, **alone,
             "looks_taught": card.made_from.looks, "labels": card.made_from.labels, "doubted": card.made_from.doubted,
             "teacher_error": round(float(np.mean([w.teacher_error for w in card.words] or [0.0])), 4),
             "selected": [p.name for p in self.model.selected], "untaught": [u.word for u in card.untaught],
-            "kilobytes": round((folder / WEIGHTS).stat().st_size / 1000), "distil_seconds": round(seconds, 1),
+            "kilobytes": round((folder / WEIGHTS).stat().st_size / 1000), **taught,
         }  # fmt: skip
 
     def read(self, folder: Path, fresh: Sequence[tuple[State, Sequence[Object]]]) -> dict[str, Any]:
