@@ -49,14 +49,23 @@ def plan(
     ] = None,
     goal: Annotated[
         list[str] | None,
-        Parameter(help="With --photo: what is to hold, such as 'On(cup, table)', or 'not', 'and', 'or' of such."),
+        Parameter(
+            help="With --photo: what is to hold, such as 'On(cup, table)', or 'not', 'and', 'or' of such.",
+            consume_multiple=True,
+        ),
     ] = None,
     thing: Annotated[
         list[str] | None,
-        Parameter(help="With --photo: object in the scene, NAME or NAME:TYPE for a new one [default: all known ones]."),
+        Parameter(
+            help="With --photo: object in the scene, NAME or NAME:TYPE for a new one [default: all known ones].",
+            consume_multiple=True,
+        ),
     ] = None,
     holds: Annotated[
-        list[str] | None, Parameter(help="With --photo: atom that holds and that no photo shows, such as 'Held(cup)'.")
+        list[str] | None,
+        Parameter(
+            help="With --photo: atom that holds and that no photo shows, such as 'Held(cup)'.", consume_multiple=True
+        ),
     ] = None,
     out_dir: Annotated[
         Path | None,
