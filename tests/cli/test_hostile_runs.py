@@ -278,6 +278,7 @@ def test_a_full_disk_is_named_and_learning_resumes(
     ran = cli("learn", data, "--out", run)
     full.undo()
     refused(ran, "No space left on device")
+    assert re.search(r"make room|name another folder", " ".join(ran.err.lower().split())), "says what to do"
     whole(run)
     assert cli("learn", data, "--out", run).code == 0
     assert tree(run) == tree(done)

@@ -17,7 +17,7 @@ import pytest
 
 from extras import need
 from pix2pred.predicates import ProposalSettings, propose
-from pix2pred.predicates.proposing.propose import TooManyPicturesError, parts_of
+from pix2pred.predicates.proposing.propose import EmptyProposalError, TooManyPicturesError, parts_of
 from pix2pred.registry import REGISTRY
 from pix2pred.vlm import VLM, Answer, Finish, FlowSettings, NoAnswerError, Purpose, Request, Spent, VLMError
 from pix2pred.vlm.checkup import MOST_QUESTIONS, Trait, check
@@ -237,6 +237,59 @@ def test_unknown_reasons_to_finish_mean_that_the_answer_is_whole(finish: str | N
     with running(Scripted(lambda body: said("lit(a): True", finish))) as server:
         answer = asked_of(server).answer(QUESTION)
     assert (answer.text, answer.finish) == ("lit(a): True", Finish.COMPLETE)
+
+
+PAGE = b"<!DOCTYPE html><html><body><h1>Sign in</h1></body></html>"
+NO_DOCUMENTS = {"a web page": PAGE, "an empty answer": b"", "no JSON": b"data: {}\n\ndata: [DONE]\n\n"}
+
+
+@pytest.mark.parametrize("what", NO_DOCUMENTS)
+def test_a_good_status_without_an_answer_is_named_and_ends_the_run_where_nothing_else_came(what: str) -> None:
+    with running(Scripted(lambda body: (200, NO_DOCUMENTS[what]))) as server:
+        with pytest.raises(VLMError, match=f"answers with {what}, as a log-in page.*is the address right"):
+            asked_of(server).answer(QUESTION)
+        assert len(server.asked) == 4
+
+
+def test_a_page_between_answers_is_passed_over() -> None:
+    replies = iter([said("lit(a): True"), (200, PAGE), (200, b""), said("lit(a): False")])
+    with running(Scripted(lambda body: next(replies))) as server:
+        vlm = asked_of(server)
+        assert [vlm.answer(replace(QUESTION, sample=n)).text for n in (0, 1)] == ["lit(a): True", "lit(a): False"]
+
+
+@pytest.mark.parametrize("status", [301, 302, 307, 308])
+def test_questions_are_never_sent_where_a_server_points_to(status: int) -> None:
+    place = {"location": "https://login.example.invalid/sso?key=1"}
+    with running(Scripted(lambda body: (status, b""), place)) as server:
+        with pytest.raises(
+            VLMError, match=r"elsewhere, to https://login.example.invalid/sso, where they were not sent"
+        ):
+            asked_of(server).answer(QUESTION)
+        assert len(server.asked) == 1
+
+
+@pytest.mark.parametrize(("message", "status", "told"), [
+    ("Your credit balance is too low to access the API.", 400, "quota or credit is used up"),
+    ("Key limit exceeded (total limit). Manage it using https://x/keys", 403, "quota or credit is used up"),
+    ("Insufficient credits. Add more at https://x", 402, "quota or credit is used up"),
+    ("m is not a valid model ID", 400, "knows no such model"),
+    ("Invalid model name passed in model=m", 400, "knows no such model"),
+    ("model 'm' not found, try pulling it first", 500, "knows no such model"),
+])  # fmt: skip
+def test_an_empty_account_and_an_unknown_model_end_the_run_at_once(message: str, status: int, told: str) -> None:
+    with running(Scripted(lambda body: refused(message, status))) as server:
+        with pytest.raises(VLMError, match=told) as caught:
+            asked_of(server).answer(QUESTION)
+        assert not isinstance(caught.value, NoAnswerError) and len(server.asked) == 1
+
+
+def test_an_answer_that_proposes_nothing_is_shown() -> None:
+    with (
+        running(Scripted(lambda body: said("I'm sorry, I can't assist with that."))) as server,
+        pytest.raises(EmptyProposalError, match=r"no atom in the answer: I'm sorry, I can't assist"),
+    ):
+        propose([demo()], asked_of(server), ProposalSettings())
 
 
 @pytest.mark.parametrize("mistake", [

@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 the job failed (no plan, not solved), 2 bad input, 130 int
 from __future__ import annotations
 
 import ast
+import errno
 import os
 import signal
 import sys
@@ -114,8 +115,17 @@ def run(argv: Sequence[str] | None = None, registry: Registry | None = None) -> 
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
-        return _complain(f"{error.filename or ''}: {error.strerror or error}".lstrip(": "))
+        todo = _WHAT_TO_DO.get(error.errno or 0, "")
+        return _complain(f"{error.filename or ''}: {error.strerror or error}{todo}".lstrip(": "))
     return result if isinstance(result, int) else 0
+
+
+_WHAT_TO_DO = {
+    errno.ENOSPC: "; make room and run the same command again: what was answered is stored",
+    errno.EDQUOT: "; make room and run the same command again: what was answered is stored",
+    errno.EROFS: "; name a folder that may be written to",
+    errno.EACCES: "; it may not be read or written: change its rights, or name another folder",
+}
 
 
 def _registry() -> Registry:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 LONGEST_NAME = 100
 """Characters of a proposed name; longer ones are no words, and with the number that a list of types adds they would be
 longer than files of a run take."""
+SHOWN = 200
+"""Characters of an answer without any atom that a person is shown."""
 _NAME = r"[A-Za-z_][A-Za-z0-9_\-]*"
 _APPLICATION = re.compile(rf"(?<![A-Za-z0-9_\-])({_NAME})[ \t]*\(([^()]*)\)")
 _ARGUMENT = re.compile(r"[A-Za-z0-9_\-]+(?: +[A-Za-z0-9_\-]+)*\Z")

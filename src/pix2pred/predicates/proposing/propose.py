@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pix2pred.predicates.frugal.definitions import Definition
 from pix2pred.predicates.prompt import action_text, fill, object_lines, views
-from pix2pred.predicates.proposing.parse_atoms import LONGEST_NAME, Mention, clean, mentions
+from pix2pred.predicates.proposing.parse_atoms import LONGEST_NAME, SHOWN, Mention, clean, mentions
 from pix2pred.structs import Demo, Object
 from pix2pred.structs.views import LONGEST_SIDE
 from pix2pred.system.errors import Pix2predError
@@ -188,8 +188,7 @@ def answered_proposal(
             proposal = replace(proposal, problem="the model never allowed an answer of the length asked for")
         elif answer.finish == Finish.CUT_SHORT:
             budget *= 2
-            whole_lines = read(answer.text.rpartition("\n")[0])
-            proposal = replace(whole_lines, problem="the answer was always cut short")
+            proposal = replace(read(answer.text.rpartition("\n")[0]), problem="the answer was always cut short")
         elif found.accepted:
             return found
         else:
@@ -263,7 +262,8 @@ def read_proposal(demo: Demo, answer: str, settings: ProposalSettings) -> Propos
             rejected[found] = None
         else:
             accepted[found] = None
-    return Proposal(demo.name, tuple(accepted), tuple(rejected))
+    said = "" if accepted or rejected or not answer else f"no atom in the answer: {' '.join(answer.split())[:SHOWN]}"
+    return Proposal(demo.name, tuple(accepted), tuple(rejected), said)
 
 
 def judged(

@@ -56,7 +56,7 @@ class FlowSettings(BaseModel):
 class TransientError(VLMError):
     """A failure that may pass: overload, a cut connection, an answer that is not what the protocol promises.
 
-    ``retry_after`` is how many seconds the server asks to wait; ``connected`` tells that there is a server.
+    ``retry_after`` is how many seconds the server asks to wait; ``connected`` tells that there is a server of models.
     """
 
     def __init__(self, message: str, retry_after: float | None = None, *, connected: bool = True) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 from pydantic_ai import exceptions as ai
 
 from pix2pred.vlm.control.flow import TransientError
-from pix2pred.vlm.hosted.http import OversizeError
+from pix2pred.vlm.hosted.http import ElsewhereError, NoDocumentError, OversizeError
 from pix2pred.vlm.hosted.provider import HostedModel, Parameter
 from pix2pred.vlm.request import NoAnswerError, Request, VLMError
 
@@ -36,7 +36,18 @@ class UnwantedError(NoAnswerError):
 
 _TOO_LARGE = re.compile(r"\bmax_?(completion_?|output_?)?tokens\b|context (length|size|window)", re.I)
 _NOT_THERE = re.compile(r"unsupported|not supported|unknown parameter|unrecognized", re.I)
-_UNKNOWN_MODEL = re.compile(r"\bmodel\b.{0,200}(not found|not exist|unknown|not available|no such)", re.I)
+_UNKNOWN_MODEL = re.compile(
+    r"\bmodel\b.{0,200}(not found|not exist|unknown|not available|no such)"
+    r"|\b(?:not a valid|unknown|no such) model\b|\binvalid model (?:id|name|identifier)",
+    re.I,
+)
+_ABSENT_MODEL = re.compile(r"\bmodel\b.{0,200}(?:not found|not exist)", re.I)
+"""The same, in words that no overloaded server uses."""
+_NO_CREDIT = re.compile(
+    r"credit balance|(?:insufficient|not enough|no|out of|more) (?:credits?|funds|balance)\b|key limit exceeded"
+    r"|payment required|\b(?:credits?|balance|quota) (?:is|are|has been)?\s?(?:used up|exhausted|too low|exceeded)",
+    re.I,
+)
 _PINNED_MODEL = re.compile(r"(pinned|restricted) to\b|only serves", re.I)
 _PARAMETERS = {
     Parameter.TEMPERATURE: re.compile(r"\btemperature\b", re.I),
@@ -91,13 +102,24 @@ def translated(error: Exception, model: HostedModel, key: str | None, timeout: f
     chain = list(_causes(error))
     if any(isinstance(e, OversizeError) for e in chain):
         return NoAnswerError("the answer is larger than any answer can be")
+    if elsewhere := next((e for e in chain if isinstance(e, ElsewhereError)), None):
+        return VLMError(
+            f"{model.name}: {model.place} sends questions elsewhere, to "
+            f"{_message(str(elsewhere), key)[:_SHOWN_OF_A_MESSAGE]}, where they were not sent; name the address that "
+            "answers in --vlm, or log in where it leads"
+        )
+    if strange := next((e for e in chain if isinstance(e, NoDocumentError)), None):
+        return TransientError(
+            f"{model.place} answers with {strange}, as a log-in page, a proxy or another program does", connected=False
+        )
     if any(_CERTIFICATE.search(str(e)[:_READ_OF_A_MESSAGE]) for e in chain if isinstance(e, OSError)):
         return VLMError(
             f"{model.name}: the certificate of {model.place} is not trusted; name a file with the certificate in the "
             "environment variable SSL_CERT_FILE, or use http:// on this machine"
         )
     if isinstance(error, TimeoutError | ai.ModelRequestTimeout | ai.ModelTimeoutError):
-        return TransientError(f"no answer within {timeout:g} s")
+        more = "'flow: {timeout: N}' in --config gives it longer"
+        return TransientError(f"no answer within {timeout:g} s ({more})", connected=False)
     if isinstance(error, ai.ModelConnectionError):
         connected = error.phase not in ("connect", "pool")
         what = "the connection was cut" if connected else f"nothing can be reached at {model.place}"
@@ -137,15 +159,20 @@ def _refused(error: ai.ModelAPIError, model: HostedModel, key: str | None, reque
     whole = _message(error.body, key)
     if whole:
         said += f": {whole[:_SHOWN_OF_A_MESSAGE]}"
+    if (
+        isinstance(error, ai.ModelQuotaExceededError)
+        or status == 402
+        or (status in (400, 403) and _NO_CREDIT.search(whole))
+    ):
+        return VLMError(f"{model.name}: the account's quota or credit is used up ({said})")
     if isinstance(error, ai.ModelAuthenticationError) or status in (401, 403):
         names = model.provider.keys_in_words
         return VLMError(f"{model.name}: the key was not accepted ({said}); check the environment variable {names}")
-    if isinstance(error, ai.ModelQuotaExceededError) or status == 402:
-        return VLMError(f"{model.name}: the account's quota or credit is used up ({said})")
     if lasting := _lasting(whole, status, model, said, request):
         return lasting
     unknown = _UNKNOWN_MODEL.search(whole) or _PINNED_MODEL.search(whole)
-    if isinstance(error, ai.ModelNotFoundError) or status == 404 or (status == 400 and unknown):
+    absent = status == 500 and _ABSENT_MODEL.search(whole)
+    if isinstance(error, ai.ModelNotFoundError) or status == 404 or (status in (400, 422) and unknown) or absent:
         return VLMError(f"{model.name}: the server knows no such model or address ({said})")
     if status is None or status >= 500 or status in (408, 409, 425, 429):
         return TransientError(said, error.retry_after)

@@ -34,6 +34,14 @@ class OversizeError(httpx2.TransportError):
     """A body larger than any answer."""
 
 
+class ElsewhereError(httpx2.TransportError):
+    """The server sends questions to another address, which is its message: questions hold pictures and a key."""
+
+
+class NoDocumentError(httpx2.TransportError):
+    """A good status with a body that is no JSON: a page, nothing, or anything. The message says which."""
+
+
 def http_client(heard: Heard) -> httpx2.AsyncClient:
     """A client that tells ``heard`` what good responses say in their headers."""
 
@@ -65,6 +73,7 @@ class _Bounded(httpx2.AsyncBaseTransport):
             content = await _whole(response.stream, packed)
         finally:
             await response.aclose()
+        _check(response, content)
         dropped = ("content-encoding", "content-length", "transfer-encoding")
         headers = [(name, value) for name, value in response.headers.multi_items() if name.lower() not in dropped]
         return httpx2.Response(
@@ -73,6 +82,16 @@ class _Bounded(httpx2.AsyncBaseTransport):
 
     async def aclose(self) -> None:
         await self._below.aclose()
+
+
+def _check(response: httpx2.Response, content: bytes) -> None:
+    """Raise what says that this is no answer of a model's server, in place of what libraries make of it."""
+    if 300 <= response.status_code < 400:
+        raise ElsewhereError(response.headers.get("location", "nowhere").partition("?")[0])
+    begin = content.lstrip()[:1]
+    if response.status_code < 300 and begin not in (b"{", b"["):
+        kind = "a web page" if begin == b"<" else "an empty answer" if not begin else "no JSON"
+        raise NoDocumentError(kind)
 
 
 async def _whole(stream: Any, packed: str) -> bytes:
