@@ -126,7 +126,7 @@ def _nearest(times: Sequence[float], moment: float) -> int:
 
 def _notes(source: Path, info: Info, episode: RecordedEpisode) -> tuple[str, ...]:
     """Where the demonstration comes from, and what is not brought over."""
-    tasks = "; ".join(episode.tasks)[:300]
+    tasks = "; ".join(task.rstrip(".") for task in episode.tasks)[:300]
     left = ", ".join(info.numbers) or "none"
     missing = [c.name for c in info.cameras if c not in episode.cameras(source, info)]
     absent = (f"No footage of this episode from the camera {', '.join(missing)}.",) if missing else ()
