@@ -83,6 +83,7 @@ def test_a_second_goal_for_a_photo_keeps_the_first_plan(cli: Cli, model: Model, 
     assert planned("Done(l1)") == (f"{first}-2", ["Done(l1)"])
     assert planned("Done(l2)") == (first, ["Done(l2)"]), "the same task again takes its own folder"
     assert planned("not Done(l1)")[0] == f"{first}-3"
+    assert planned("Done(l1)", "Done(l2)") == (f"{first}-4", ["Done(l1)", "Done(l2)"]), "several behind one option"
     ran = cli("plan", done, "--photo", photo, "--goal", "Done(l1)", "--out", done / "plans" / first)
     assert ran.code == 0 and "the plan of another task there is replaced" in ran.err
 
