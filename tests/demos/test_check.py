@@ -236,7 +236,7 @@ def test_an_empty_demo(project: Path) -> None:
     ("content", "message"),
     [
         (None, "no picture"),
-        (b"", "neither PNG nor JPEG"),
+        (b"", "is empty, neither PNG nor JPEG"),
         (b"GIF89a" + b"0" * 50, "neither PNG nor JPEG"),
         (b"%!PS-Adobe-3.0 EPSF-3.0", "neither PNG nor JPEG"),
         (png()[:44], "cannot be read"),

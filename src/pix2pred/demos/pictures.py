@@ -208,6 +208,8 @@ def load_picture(path: Path, longest: int | None = None) -> Pixels:
     if length > MAX_BYTES:
         raise PictureError(f"{path}: has {length} bytes; more than {MAX_BYTES} are not read")
     if not start.startswith((PNG_START, JPEG_START)):
+        if not start:
+            raise PictureError(f"{path}: is empty, neither PNG nor JPEG: it was not copied to its end; copy it again")
         raise PictureError(f"{path}: is neither PNG nor JPEG, whatever its name says; {how_to_convert(start)}")
     try:
         return Image(path).pixels() if longest is None else Image(path).reduced(longest)
