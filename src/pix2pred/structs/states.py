@@ -216,11 +216,14 @@ class Image:
 
 def _upright(picture: PIL.Image.Image) -> Pixels:
     PIL.ImageOps.exif_transpose(picture, in_place=True)
-    return _rgb(picture)
+    return rgb_pixels(picture)
 
 
-def _rgb(picture: PIL.Image.Image) -> Pixels:
-    """Eight bits a channel; of 16-bit grey, which Pillow would clip to white, the upper eight."""
+def rgb_pixels(picture: PIL.Image.Image) -> Pixels:
+    """The pixels of an opened picture, a few rows at a time so that no second whole one is held.
+
+    Eight bits a channel; of 16-bit grey, which Pillow would clip to white, the upper eight.
+    """
     if picture.mode.startswith("I"):
         grey = (np.asarray(picture).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
         return np.repeat(grey[:, :, None], 3, axis=2)

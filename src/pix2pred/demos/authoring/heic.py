@@ -6,11 +6,9 @@ import threading
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pix2pred.demos.pictures import MAX_BYTES
 from pix2pred.structs import PictureError, Pixels
-from pix2pred.structs.states import MAX_PIXELS
+from pix2pred.structs.states import MAX_PIXELS, rgb_pixels
 from pix2pred.system.extras import MissingExtraError, optional
 
 _ONE = threading.Lock()
@@ -50,6 +48,7 @@ def heic_pixels(path: Path) -> Pixels:
     """The pixels of a HEIC photo, upright. Raises ``PictureError``."""
     with _ONE, open_heic(path) as opened:
         try:
-            return np.asarray(opened.convert("RGB"), dtype=np.uint8)
+            opened.load()
+            return rgb_pixels(opened)
         except Exception as error:
             raise PictureError(f"{path}: cannot be read as a picture ({error})") from error
