@@ -56,8 +56,8 @@ PORTFOLIOS: dict[str, Callable[[], Search]] = {
         )
     ),
 }
-"""``portfolio``, the default, plans optimally where that is cheap, else for one goal after the other where plans are long,
-else greedily; the others are for large tasks.
+"""``portfolio``, the default, plans optimally where that is cheap, else for one goal after the other where plans are
+long, else greedily; the others are for large tasks.
 
 Searches of other packages, callables from a ground task to a ``SearchResult``, come from the group
 ``pix2pred.searches``.
