@@ -43,7 +43,7 @@ SEARCHES: dict[str, Callable[[Callable[[Strips], Heuristic]], Search]] = {
 """Every search goes with every heuristic: a planner is called SEARCH-HEURISTIC."""
 
 PORTFOLIOS: dict[str, Callable[[], Search]] = {
-    "portfolio": lambda: Portfolio((OneByOne(), AStar(max_nodes=5_000), GreedyBestFirst())),
+    "portfolio": lambda: Portfolio((AStar(max_nodes=500), OneByOne(), AStar(max_nodes=5_000), GreedyBestFirst())),
     "batches": LazyBatches,
     "quick": lambda: Polished(
         Portfolio(
@@ -56,8 +56,8 @@ PORTFOLIOS: dict[str, Callable[[], Search]] = {
         )
     ),
 }
-"""``portfolio``, the default, plans for one goal after the other where plans are long, optimally where that is cheap,
-else greedily; the others are for large tasks.
+"""``portfolio``, the default, plans optimally where that is cheap, else for one goal after the other where plans are
+long, else greedily; the others are for large tasks.
 
 Searches of other packages, callables from a ground task to a ``SearchResult``, come from the group
 ``pix2pred.searches``.
