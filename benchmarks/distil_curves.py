@@ -33,8 +33,9 @@ def draw(axes: Axes, rows: Rows, part: str, whole: str) -> None:
             counts = sorted(parts)
             shares = [100 * parts[c] / max(1, wholes[c]) for c in counts]
             label = f"{domain} {family}, {rate:.0%} wrong"
-            axes.plot(counts, shares, line, color=f"C{number}", marker="o", markersize=3, label=label)
-    axes.set_xlabel("episodes")
+            if counts:
+                axes.plot(counts, shares, line, color=f"C{number}", marker="o", markersize=3, label=label)
+    axes.set(xlabel="episodes", xlim=(-1, 51))
     axes.grid(alpha=0.3)
 
 
@@ -49,7 +50,7 @@ def main() -> None:
     draw(answered, rows, "answered", "atoms")
     draw(asked, rows, "questions", "questions_of_teacher")
     answered.set(ylabel="atoms answered, %", ylim=(0, 102))
-    asked.set(ylabel="questions, % of the teacher's alone", ylim=(-2, None))
+    asked.set(ylabel="questions, % of the teacher's alone", ylim=(-2, 102))
     answered.axhline(90, color="grey", linewidth=0.8)
     asked.axhline(10, color="grey", linewidth=0.8)
     figure.legend(*answered.get_legend_handles_labels(), loc="outside right upper", fontsize=7, frameon=False)
