@@ -76,6 +76,9 @@ def test_what_skills_and_goals_mean_is_said_outside_the_published_protocol() -> 
     published, told = texts
     assert "in reach" not in published and "in its hand" not in published
     assert "]: Moves the cup until it is in reach." in told and ": The robot has the plate in its hand." in told
+    assert "\n\nWhat this means:\n- Holding(" in told
+    silent = agent.request(Task("t", scripted.OBJECTS, scripted.state(9), (HOLDING(R, P1),))).text
+    assert "What this means" not in silent, "a goal of which nothing is said"
 
 
 def test_code_is_told_what_types_features_and_skills_mean_outside_the_published_protocol() -> None:
@@ -87,6 +90,9 @@ def test_code_is_told_what_types_features_and_skills_mean_outside_the_published_
     )
     for said in ("A vessel.", "height in metres.", "until it is in reach."):
         assert said not in published and said in told
+    assert "arrow" in published and "arrow" not in told and told.count("dash") == 1, "the lines of types have dashes"
+    bare = code_request(demo(actions=1), replace(vocabulary, initial=()), marks=True, explained=True).text
+    assert "Known already" in told and "Known already" not in bare
 
 
 def test_filled_code_prompt() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from pix2pred.predicates import (
@@ -163,6 +165,18 @@ def test_one_question_labels_all_states_and_asks_again_for_what_is_missing() -> 
     headings = [v.heading for v in vlm.asked[0].views if v.crop is None]
     assert headings == [f"state {t}, camera main" for t in ("0", "1 after skill 0", "2 after skill 1")]
     assert labels[-1].counts[Occurrence.READ] == 2 and not labels[-1].gaps
+
+
+def test_only_skills_of_which_something_is_said_are_told_beside_the_executed_ones() -> None:
+    vlm = ScriptedVLM(lambda request: "* cooked(patty1): True\n* cooked(patty2): True")
+    bare = demo(actions=1)
+    told = replace(PICK, description="The robot takes what nothing lies on.")
+    for skill in (PICK, told):
+        one = replace(bare, actions=tuple(replace(a, skill=skill) for a in bare.actions))
+        labeller_for(vlm, FRUGAL).demo(one, ground_atoms([COOKED], OBJECTS))
+    without, told_text = (request.text for request in vlm.asked)
+    assert without.count("Pick") == 1 and "Skills of the robot" not in without
+    assert "Skills of the robot:\n- Pick(robot, item): The robot takes what nothing lies on.\n" in told_text
 
 
 def test_long_demonstrations_are_asked_about_in_stretches_that_share_a_state() -> None:

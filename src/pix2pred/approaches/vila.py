@@ -9,9 +9,8 @@ from typing import Any
 from pix2pred.approaches.approach import Training
 from pix2pred.approaches.parse_plan import NoPlanError, WrittenPlan, parse_plan
 from pix2pred.execution import TruthOf
-from pix2pred.predicates.frugal.definitions import meanings_of
 from pix2pred.predicates.labelling.settings import LabelProtocol
-from pix2pred.predicates.prompt import fill, type_meanings, views
+from pix2pred.predicates.prompt import fill, meaning_lines, titled, type_meanings, views
 from pix2pred.structs import Action, Atom, Demo, Episode, ExecutedStep, Failure, Skill, Task, Type
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.views import View
@@ -85,7 +84,7 @@ class ViLaAgent:
             skills="\n".join(skill_line(s, explained=explained) for s in vocabulary.skills),
             types=type_lines(vocabulary.types) + (f"\n{type_meanings(vocabulary.types)}".rstrip() if explained else ""),
             objects="\n".join(f"{o.prompt_name}: {o.type.name}" for o in sorted(task.objects)),
-            goal=goal_lines(task.goal) + (f"\n\nWhat this means:\n{meanings_of(task.goal)}" if explained else ""),
+            goal=goal_lines(task.goal) + (_meanings(task.goal) if explained else ""),
             examples="\nBelow are demonstrations of the same robot on other tasks.\n" if self.shown else "",
         )
         parts: list[Part] = [text]
@@ -97,6 +96,12 @@ class ViLaAgent:
         shown = views(task.initial, 0, task.objects, marks=marks, longest_side=size)
         parts += images.of(shown, "Initial state to plan from, ")
         return Request(Purpose.PLAN, tuple(parts), ANSWER_TOKENS)
+
+
+def _meanings(goal: Iterable[Atom]) -> str:
+    """What is said of the predicates of ``goal``; empty where nothing is."""
+    described = {atom.predicate for atom in goal if atom.predicate.description}
+    return f"\n{titled('What this means:', meaning_lines(described).splitlines())}".rstrip()
 
 
 class _Images:

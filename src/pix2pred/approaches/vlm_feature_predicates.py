@@ -43,6 +43,10 @@ from pix2pred.vlm import Purpose, Request
 ANSWER_TOKENS = 8192
 LIMITS = SandboxLimits()
 
+KINDS_AS_PUBLISHED = "each type after the arrow is a kind of the one before it"
+KINDS_BY_DASH = "where a line has a dash, the types before it are kinds of the type after it"
+"""How to read the lines of types, which have dashes; the published prompt says arrow."""
+
 
 @dataclass(frozen=True, slots=True)
 class CodePool:
@@ -166,6 +170,7 @@ def code_request(
         "code",
         ROOM,
         example_type=holders[0].name if holders else vocabulary.types[0].name,
+        kinds=KINDS_BY_DASH if explained else KINDS_AS_PUBLISHED,
         types=f"{features}\n{type_lines(vocabulary.types)}" + (_explanations(vocabulary) if explained else ""),
         objects=object_lines(demo.objects),
         trajectory="\n".join(_trajectory(demo)),
@@ -179,11 +184,10 @@ def code_request(
 def _explanations(vocabulary: Vocabulary) -> str:
     measured = [f"- {t.name}: {t.measures}" for t in vocabulary.types if t.measures]
     return (
-        "\nWhere a line has a dash, the types before it are kinds of the type after it.\n"
-        + type_meanings(vocabulary.types)
+        f"\n{type_meanings(vocabulary.types)}"
         + titled("What features mean, of a type and its kinds:", measured)
-        + titled("Skills of the robot:", [skill_lines(vocabulary.skills)])
-        + titled("Known already; write neither these nor the contrary:", [meaning_lines(vocabulary.initial)])
+        + titled("Skills of the robot:", skill_lines(vocabulary.skills).splitlines())
+        + titled("Known already; write neither these nor the contrary:", meaning_lines(vocabulary.initial).splitlines())
     ).rstrip()
 
 

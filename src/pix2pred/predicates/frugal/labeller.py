@@ -159,7 +159,8 @@ class FrugalLabeller:
         known = stretch.known
         before = _before({atom_text(a): known.get(a) for a in sorted(atoms, key=atom_text)})
         actions = [f"{t}. {action_text(a)}" for t, a in enumerate(stretch.actions, start=stretch.start)]
-        skills = skill_lines(a.skill for a in stretch.actions)
+        # a skill that nobody described would only stand here as it stands among the executed ones
+        skills = skill_lines(a.skill for a in stretch.actions if a.skill.description)
         number = f"number {stretch.start} leads from state {stretch.start} to state {stretch.start + 1}, and so on"
         return fill(
             "frugal_label",
