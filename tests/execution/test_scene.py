@@ -162,6 +162,27 @@ def test_an_atom_without_a_label_is_false_but_named_and_tried(answer: str) -> No
     assert scene(SERVED(C1), empty_of_c2=answer).would_help == ()  # there is a plan
 
 
+@dataclass
+class ToldLater(Told):
+    """Says ``again`` to what is asked after the first question."""
+
+    again: str = "False"
+
+    def answer(self, request: Request) -> Answer:
+        first = super().answer(request)
+        return (
+            first if len(self.asked) == 1 else Answer(f"* {next(asked_atoms(request.text))}: {self.again}. I see it.")
+        )
+
+
+@pytest.mark.parametrize(("again", "without"), [("False", []), ("Unknown", ["empty0(c2)"])])
+def test_an_atom_that_has_a_value_when_asked_again_is_not_without_one(again: str, without: list[str]) -> None:
+    vlm = ToldLater([COLD | {"empty(c2)": "Unknown"}], again=again)
+    solver = Solver(MODEL, Planner(AStar()), Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    found = plan_scene(solver, task(SERVED(C2)))
+    assert len(vlm.asked) > 1 and [str(a) for a in found.unlabelled] == without
+
+
 def test_goals_that_exclude_one_another_lack_nothing() -> None:
     assert missing(OPERATORS, (C1, C2, K), frozenset({EMPTY(C1)}), [FULL(C1), EMPTY(C1)]) == ()
     assert scene(FULL(C1), EMPTY(C1)).missing == ()

@@ -14,7 +14,7 @@ from pix2pred.execution.solver import Solver
 from pix2pred.predicates import StateLabels
 from pix2pred.predicates.labelling.explanations import explanations
 from pix2pred.predicates.prompt import atom_text
-from pix2pred.structs import AbstractState, Atom, FromDomain, FromHuman, PlanResult, PlanStatus, Task
+from pix2pred.structs import AbstractState, Atom, FromDomain, FromHuman, Label, PlanResult, PlanStatus, Task
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,9 @@ class PlannedScene:
 
     @cached_property
     def unlabelled(self) -> tuple[Atom, ...]:
-        """Atoms that the model called unknown or gave no value; planning took them for false."""
-        return unlabelled(self.labels)
+        """Atoms that the model called unknown or gave no value, when asked again too; planning took them for false."""
+        told = {q.atom for q in self.perception.questions if q.state == 0 and {*q.answers} != {Label.UNKNOWN.word}}
+        return tuple(a for a in unlabelled(self.labels) if a not in told)
 
     @cached_property
     def said(self) -> Mapping[Atom, str]:
