@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import pytest
@@ -402,6 +402,24 @@ def test_giving_up_has_a_kind_and_a_reason() -> None:
     with pytest.raises(GivenUpError, match=r"no plan any more \(unsolvable\) after Packed|free0\(h\)") as caught:
         pursuit.next()
     assert caught.value.kind == GivingUp.NO_PLAN
+
+
+def test_the_least_sure_of_what_a_skill_needs_that_fails_again_and_again_is_suspected() -> None:
+    model = replace(MODEL, reliability=(Reliability(DONE, 0.02, 0.0, 0.5), RELIABILITY[1]))
+    vlm = Told([START | {"done(a)": "True"}])
+    perception = Believing(ask_again=0)(model, TASK, Labeller(vlm, LabelSettings(crops=False, marks=False)))
+    perception.start(photo(0))
+
+    def take(state: AbstractState, avoided: Collection[Action] = (), licence: Licence = Licence.LEARNED) -> PlanResult:
+        return PlanResult(PlanStatus.UNSOLVABLE if avoided else PlanStatus.SOLVED, () if avoided else (TAKE_A,), 0, 0.0)
+
+    pursuit = Pursuit(take, TASK.goals, [TAKE_A], perception)
+    with pytest.raises(GivenUpError) as caught:
+        while (step := pursuit.next()) is not None:
+            before = perception.state
+            perception.advance(step, photo(0), StepStatus.STUCK)
+            pursuit.executed(before, succeeded=False)
+    assert (caught.value.kind, caught.value.suspects) == (GivingUp.STUCK, (DONE(A),))
 
 
 @pytest.mark.parametrize("tried", [True, False])

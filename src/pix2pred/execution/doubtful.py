@@ -53,9 +53,9 @@ def safer_plan(
     return best
 
 
-def unsure(goal: Iterable[Atom], perception: Perception) -> Sequence[Atom]:
-    """The atoms of the goal that seem to hold, but not surely enough to leave the task."""
-    return [a for a in goal if a in perception.state and perception.probability(a) < SURE_OF_THE_GOAL]
+def unsure(atoms: Iterable[Atom], perception: Perception) -> Sequence[Atom]:
+    """Those that seem to hold, but not surely enough to leave a task for it."""
+    return [a for a in atoms if a in perception.state and perception.probability(a) < SURE_OF_THE_GOAL]
 
 
 def _doubted(plan: Sequence[GroundOperator], goal: Iterable[Atom], perception: Perception) -> Sequence[Atom]:

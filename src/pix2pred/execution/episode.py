@@ -15,13 +15,17 @@ from pix2pred.structs.plans import changes_between, signed
 
 @dataclass(frozen=True, slots=True)
 class ExecutionResult:
-    """How an episode went. ``failure`` is how the last skill failed, if one did; ``replans`` counts new plans."""
+    """How an episode went. ``failure`` is how the last skill failed, if one did; ``replans`` counts new plans.
+
+    ``suspects`` are atoms that may have been misread when nothing was left to try.
+    """
 
     goal_reached: bool
     failure: StepStatus | None
     detail: str
     steps: tuple[ExecutedStep, ...]
     replans: int = 0
+    suspects: tuple[Atom, ...] = ()
 
 
 def actions_of(plan: Sequence[GroundOperator]) -> list[Action]:
@@ -89,5 +93,6 @@ class ClosedLoop:
                 succeeded = step.status == StepStatus.DONE and operator.add <= seen
                 pursuit.executed(before, succeeded=succeeded)
         except GivenUpError as error:
-            return failed(StepStatus.STUCK if error.kind == GivingUp.STUCK else None, str(error))
+            ended = failed(StepStatus.STUCK if error.kind == GivingUp.STUCK else None, str(error))
+            return replace(ended, suspects=error.suspects)
         return failed(None, "the goal seems to hold but does not")

@@ -86,11 +86,16 @@ class GivingUp(StrEnum):
 
 
 class GivenUpError(RuntimeError):
-    """There is nothing left to try; ``why`` in words for people, ``kind`` for programs."""
+    """There is nothing left to try; ``why`` in words for people, ``kind`` for programs.
 
-    def __init__(self, kind: GivingUp, why: str) -> None:
+    ``suspects`` holds the least sure of the atoms that the skills need which failed again and again: it may always be
+    misread.
+    """
+
+    def __init__(self, kind: GivingUp, why: str, suspects: tuple[Atom, ...] = ()) -> None:
         super().__init__(why)
         self.kind = kind
+        self.suspects = suspects
 
 
 MayAssume = Callable[[Sequence[Atom]], bool]
@@ -134,6 +139,7 @@ class Pursuit:
     _cautions: Counter[Atom] = field(default_factory=Counter)
     _failures: Counter[tuple[AbstractState, Action]] = field(default_factory=Counter)
     _failed: GroundOperator | None = None
+    _needs: dict[Action, frozenset[Atom]] = field(default_factory=dict)
 
     def next(self) -> GroundOperator | None:
         """The step to execute now; None when the goal seems to hold.
@@ -159,6 +165,7 @@ class Pursuit:
         self._failed = None if succeeded else step
         if not succeeded:
             self._failures[before, _action(step)] += 1
+            self._needs[_action(step)] = step.preconditions
         self.position += 1
 
     def _step(self) -> GroundOperator | None:
@@ -225,7 +232,7 @@ class Pursuit:
         self.replans += 1
         exhausted = self._exhausted()
         if len(exhausted) >= MOST_WAYS:
-            raise _stuck(exhausted)
+            raise self._stuck(exhausted)
         found = self._plan_from(self.perception.state)
         if found.status == PlanStatus.SOLVED:
             self._adopt(found, Turn.OTHERWISE if exhausted else Turn.PLANNED_AGAIN, lacking, ())
@@ -235,7 +242,7 @@ class Pursuit:
             return
         if nearest is None or (nearest.assumed and not self.may_assume(nearest.assumed)):
             if exhausted:
-                raise _stuck(exhausted)
+                raise self._stuck(exhausted)
             missing = ", ".join(str(a) for a in sorted(lacking)[:MOST_NAMED])
             why = f"no plan any more ({found.status}) after {missing} turned out not to hold"
             raise GivenUpError(GivingUp.NO_PLAN, why)
@@ -260,9 +267,11 @@ class Pursuit:
         self.plan, self._goal, self.position, self.turn = found.plan, found.goal, 0, turn
         self.because, self._assumed = tuple(sorted(because)), frozenset(assumed)
 
-
-def _stuck(exhausted: Sequence[Action]) -> GivenUpError:
-    return GivenUpError(GivingUp.STUCK, f"{exhausted[-1]} failed again in a state that looks the same")
+    def _stuck(self, exhausted: Sequence[Action]) -> GivenUpError:
+        needed = sorted({atom for action in exhausted for atom in self._needs[action]})
+        suspects = sorted(unsure(needed, self.perception), key=self.perception.probability)
+        why = f"{exhausted[-1]} failed again in a state that looks the same"
+        return GivenUpError(GivingUp.STUCK, why, tuple(suspects[:1]))
 
 
 def _action(step: GroundOperator) -> Action:

@@ -94,7 +94,7 @@ class Solver:
             result.nodes,
             outcome.replans if outcome else 0,
             tuple(perception.questions),
-            perception.suspects,
+            tuple(dict.fromkeys((*perception.suspects, *(outcome.suspects if outcome else ())))),
         )
 
     def look_ahead(self, tasks: Sequence[Task]) -> None:
