@@ -42,10 +42,9 @@ class Track:
     """What is known of one atom, as log odds: ``past`` from before and from skills, ``labels`` from labels since.
 
     ``said`` is the latest label, and ``answers``, with it, were given about the latest picture, each wrong with
-    probability ``error``. ``tested``: a skill has told
-    something about the atom; ``agreed``: since then, some label agreed with all else that is known; ``conflicts``
-    counts the labels that contradicted it before any agreed. A change that nobody foresaw looks different: there,
-    labels agree first.
+    probability ``error``. ``tested``: a skill has told something about the atom; ``agreed``: since then, some label
+    agreed with all else that is known; ``conflicts`` counts the labels that contradicted it before any agreed. A change
+    that nobody foresaw looks different: there, labels agree first.
     """
 
     past: float
