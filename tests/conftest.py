@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from importlib.util import find_spec
 
 import hypothesis
@@ -13,6 +14,8 @@ hypothesis.settings.load_profile("behaviour, never time")
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so shells start what runs in the background
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # programs that tests start and interrupt inherit it
     config.addinivalue_line("markers", "extra(*modules, extra): needs optional packages; see tests/extras.py")
 
 

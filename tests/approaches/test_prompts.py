@@ -19,6 +19,7 @@ from pix2pred.pipeline import LearningProblem
 from pix2pred.registry import load_planner
 from pix2pred.settings import Settings
 from pix2pred.structs import Action, Object, Skill, State, Task, Type, Vocabulary
+from pix2pred.structs.goals.opposites import contrary
 from pix2pred.vlm import Request
 from predicates import scripted
 from predicates.scripted import HOLDING, P1, R, ScriptedVLM, demo
@@ -79,6 +80,16 @@ def test_what_skills_and_goals_mean_is_said_outside_the_published_protocol() -> 
     assert "\n\nWhat this means:\n- Holding(" in told
     silent = agent.request(Task("t", scripted.OBJECTS, scripted.state(9), (HOLDING(R, P1),))).text
     assert "What this means" not in silent, "a goal of which nothing is said"
+
+
+def test_every_way_to_reach_a_goal_is_told() -> None:
+    problem = LearningProblem(VOCABULARY, (demo(actions=1),), ScriptedVLM([]), Settings())
+    agent = ViLa("vila", shows_demos=False).train(Training(problem, load_planner("portfolio"), shown_demos=0))
+    p2 = next(o for o in scripted.OBJECTS if o not in (R, P1) and o.type == P1.type)
+    ways = ((HOLDING(R, P1),), (contrary(HOLDING(R, P1)), HOLDING(R, p2)))
+    text = agent.request(Task("t", scripted.OBJECTS, scripted.state(9), ways[0], ways[1:])).text
+    one, other = (f"Holding({R.prompt_name}, {o.prompt_name})" for o in (P1, p2))
+    assert f"\n({one}) or (not {one} and {other})\n" in text
 
 
 def test_code_is_told_what_types_features_and_skills_mean_outside_the_published_protocol() -> None:

@@ -23,10 +23,7 @@ def _wait_for(path: Path, pattern: str) -> None:
 
 @pytest.fixture
 def interrupted(data: Path, tmp_path: Path) -> Iterator[Ran]:
-    def heed() -> None:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # ignored by what a shell starts in the background
-
-    process = start(0.3, "learn", data, "--out", tmp_path / "run", preexec_fn=heed)
+    process = start(0.3, "learn", data, "--out", tmp_path / "run")
     _wait_for(tmp_path / "run", "answers/*/*.json")
     process.send_signal(signal.SIGINT)
     yield finish(process)

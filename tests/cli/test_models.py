@@ -98,12 +98,7 @@ def start(*args: object) -> subprocess.Popen[bytes]:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         env=environment,
-        preexec_fn=_heed,
     )
-
-
-def _heed() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # ignored by what a shell starts in the background
 
 
 def test_killed_labelling_asks_little_twice_and_ends_with_the_same_labels(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 from pix2pred.approaches.approach import Training
@@ -84,7 +85,7 @@ class ViLaAgent:
             skills="\n".join(skill_line(s, explained=explained) for s in vocabulary.skills),
             types=type_lines(vocabulary.types) + (f"\n{type_meanings(vocabulary.types)}".rstrip() if explained else ""),
             objects="\n".join(f"{o.prompt_name}: {o.type.name}" for o in sorted(task.objects)),
-            goal=goal_lines(task.goal) + (_meanings(task.goal) if explained else ""),
+            goal=goal_lines(task.goals) + (_meanings(chain(*task.goals)) if explained else ""),
             examples="\nBelow are demonstrations of the same robot on other tasks.\n" if self.shown else "",
         )
         parts: list[Part] = [text]
@@ -139,15 +140,16 @@ def type_lines(types: Sequence[Type]) -> str:
     )
 
 
-def goal_lines(goal: Iterable[Atom]) -> str:
-    """One atom per line, in the names of the prompt."""
-    return "\n".join(f"{a.predicate.name}({', '.join(o.prompt_name for o in a.objects)})" for a in goal)
+def goal_lines(goals: Sequence[Iterable[Atom]]) -> str:
+    """One atom per line, in the names of the prompt; of several goals, of which one is enough, one line that says so."""
+    ways = [[f"{a.predicate.name}({', '.join(o.prompt_name for o in a.objects)})" for a in goal] for goal in goals]
+    return "\n".join(ways[0]) if len(ways) == 1 else " or ".join(f"({' and '.join(way)})" for way in ways)
 
 
 def example_text(number: int, demo: Demo) -> str:
     """What a demonstration did."""
     actions = "\n".join(f"action {t} from state {t} is {written(a)}" for t, a in enumerate(demo.actions))
-    return fill("vila_example", ROOM, number=str(number), goal=goal_lines(demo.goal), actions=actions)
+    return fill("vila_example", ROOM, number=str(number), goal=goal_lines(demo.goals), actions=actions)
 
 
 def written(action: Action) -> str:
