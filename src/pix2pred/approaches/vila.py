@@ -141,7 +141,7 @@ def type_lines(types: Sequence[Type]) -> str:
 
 
 def goal_lines(goals: Sequence[Iterable[Atom]]) -> str:
-    """One atom per line, in the names of the prompt; of several goals, of which one is enough, one line that says so."""
+    """One atom per line, in the names of the prompt; of several goals, of which one is enough, one line with all."""
     ways = [[f"{a.predicate.name}({', '.join(o.prompt_name for o in a.objects)})" for a in goal] for goal in goals]
     return "\n".join(ways[0]) if len(ways) == 1 else " or ".join(f"({' and '.join(way)})" for way in ways)
 
