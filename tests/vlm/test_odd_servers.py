@@ -269,6 +269,20 @@ def test_questions_are_never_sent_where_a_server_points_to(status: int) -> None:
         assert len(server.asked) == 1
 
 
+@pytest.mark.parametrize(("location", "told"), [
+    ("/v2/chat?key=1", r"to http://127\.0\.0\.1:\d+/v2/chat, where"),
+    ("//elsewhere.invalid/v1#top", "to http://elsewhere.invalid/v1, where"),
+    ("http://x:port/y?key=1", "to http://x:port/y, where"),
+    ("", "to nowhere, where"),
+])  # fmt: skip
+def test_where_a_server_points_to_is_named_whole(location: str, told: str) -> None:
+    with (
+        running(Scripted(lambda body: (307, b""), {"location": location})) as server,
+        pytest.raises(VLMError, match=told),
+    ):
+        asked_of(server).answer(QUESTION)
+
+
 @pytest.mark.parametrize(("message", "status", "told"), [
     ("Your credit balance is too low to access the API.", 400, "quota or credit is used up"),
     ("Key limit exceeded (total limit). Manage it using https://x/keys", 403, "quota or credit is used up"),

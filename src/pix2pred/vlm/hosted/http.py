@@ -73,7 +73,7 @@ class _Bounded(httpx2.AsyncBaseTransport):
             content = await _whole(response.stream, packed)
         finally:
             await response.aclose()
-        _check(response, content)
+        _check(response, content, request.url)
         dropped = ("content-encoding", "content-length", "transfer-encoding")
         headers = [(name, value) for name, value in response.headers.multi_items() if name.lower() not in dropped]
         return httpx2.Response(
@@ -84,10 +84,18 @@ class _Bounded(httpx2.AsyncBaseTransport):
         await self._below.aclose()
 
 
-def _check(response: httpx2.Response, content: bytes) -> None:
+def _place(location: str, asked: httpx2.URL) -> str:
+    """The whole address that ``location``, which may be a path alone, names, without what follows a ``?``."""
+    try:
+        return str(asked.join(location).copy_with(query=None, fragment=None)) if location else ""
+    except httpx2.InvalidURL:
+        return location.partition("?")[0]
+
+
+def _check(response: httpx2.Response, content: bytes, asked: httpx2.URL) -> None:
     """Raise what says that this is no answer of a model's server, in place of what libraries make of it."""
     if 300 <= response.status_code < 400:
-        raise ElsewhereError(response.headers.get("location", "nowhere").partition("?")[0])
+        raise ElsewhereError(_place(response.headers.get("location", ""), asked) or "nowhere")
     begin = content.lstrip()[:1]
     if response.status_code < 300 and begin not in (b"{", b"["):
         kind = "a web page" if begin == b"<" else "an empty answer" if not begin else "no JSON"
