@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pix2pred.domains import scripted
 from pix2pred.domains.home.appearance import described
 from pix2pred.domains.home.episode import HomeEnvironment, Rules
-from pix2pred.domains.home.roaming import RoamingHome
-from pix2pred.domains.home.roaming.hand import Machine, no_machine
-from pix2pred.domains.home.world import World
+from pix2pred.domains.home.world import Machine, World, no_machine
 from pix2pred.domains.physics import check_drawing
 from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Action, Atom, Demo, Task, Vocabulary, parse_application
 from pix2pred.structs.environment import Environment, SimulatedTask, SimulatorState
-from pix2pred.structs.space.surroundings import Surroundings
+
+if TYPE_CHECKING:  # geometry in space, which only robots need
+    from pix2pred.structs.space.surroundings import Surroundings
 
 Rng = np.random.Generator
 
@@ -153,6 +153,8 @@ class HomeDomain:
 
     def roaming(self, family: str, seed: int, index: int) -> Surroundings:
         """The start of a test task as the surroundings of a robot that walks; tags hang on the walls."""
+        from pix2pred.domains.home.roaming import RoamingHome
+
         return RoamingHome(self.start(family, seed, index).world, self.machine)
 
     def actions_of(self, recipe: Recipe, world: World) -> tuple[Action, ...]:

@@ -7,7 +7,7 @@ Whatever moves lies where the physics left it; its place is the middle of its bo
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import Any
@@ -157,3 +157,12 @@ def _check(world: World) -> None:
             raise ValueError(f"not a simulator state: {thing.name} is turned by no rotation")
     if world.holding is not None and world.holding not in names:
         raise ValueError(f"not a simulator state: {world.holding}, which is held, does not exist")
+
+
+Machine = Callable[[World, str], World]
+"""Gives the world after the switch of a machine was pressed."""
+
+
+def no_machine(world: World, name: str) -> World:
+    """A switch that does nothing."""
+    return world

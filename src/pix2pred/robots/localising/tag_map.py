@@ -1,7 +1,7 @@
 """A map of tags, and the place of a robot from all tags that it sees.
 
 The place has three numbers: the robot stands upright on the floor. They are those that bring the corners of all tags
-nearest to where they were seen (Gauss-Newton steps on the distances in pixels, weighed down where they are large).
+nearest to where they were seen (least squares of the distances in pixels, which count less where they are large).
 """
 
 from __future__ import annotations
@@ -13,16 +13,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from pix2pred.robots.localising.tags import CORNERS, Sighting
 from pix2pred.structs.space.poses import Array, FloorPose, Pose, axes_of, quaternion_of, turned_about
 from pix2pred.system.errors import Pix2predError
 
-STEPS = 25
-"""Gauss-Newton steps at most; five are usual."""
-
 ROBUST = 2.0
-"""Pixels from which on a corner's distance counts less (Huber's weights)."""
+"""Pixels from which on a corner's distance counts less (Huber's loss)."""
 
 DOUBTFUL = 2.5
 """Root mean square in pixels above which a place is not believed: tags at their places give 0.1 to 0.5."""
@@ -67,35 +65,19 @@ class TagMap:
         return min((self._refined(known, start) for start in starts), key=lambda f: f.residual)
 
     def _refined(self, seen: Sequence[Sighting], start: FloorPose) -> Fix:
-        place, information = start, np.eye(3)
-        errors, slopes = self._errors(seen, place)
-        for _ in range(STEPS):
-            weights = np.minimum(1.0, ROBUST / np.maximum(np.abs(errors), 1e-9))
-            information = slopes.T @ (slopes * weights[:, None]) + 1e-9 * np.eye(3)
-            step = np.linalg.solve(information, -slopes.T @ (weights * errors))
-            place = FloorPose(place.x + float(step[0]), place.y + float(step[1]), place.yaw + float(step[2]))
-            errors, slopes = self._errors(seen, place)
-            if float(np.abs(step).max()) < 1e-7:
-                break
-        residual = float(np.sqrt(np.mean(errors**2)))
-        spread = max(residual, 0.1) ** 2 * np.linalg.inv(information)
-        metres = math.sqrt(float(max(spread[0, 0], 0) + max(spread[1, 1], 0)))
-        return Fix(place, len(seen), residual, metres, math.sqrt(float(max(spread[2, 2], 0))))
+        def distances(place: Array) -> Array:
+            base = Pose.on_floor(FloorPose(*map(float, place)))
+            offsets = [_offsets(s, (base * s.camera).inverse * self.tags[s.number], self.size) for s in seen]
+            return np.concatenate(offsets)
 
-    def _errors(self, seen: Sequence[Sighting], place: FloorPose) -> tuple[Array, Array]:
-        """Distances in pixels of all corners, and how they change with the place, by small differences."""
-        found = self._distances(seen, place)
-        h = 1e-6
-        moved = (
-            FloorPose(place.x + h, place.y, place.yaw),
-            FloorPose(place.x, place.y + h, place.yaw),
-            FloorPose(place.x, place.y, place.yaw + h),
-        )
-        return found, np.stack([(self._distances(seen, m) - found) / h for m in moved], axis=1)
-
-    def _distances(self, seen: Sequence[Sighting], place: FloorPose) -> Array:
-        base = Pose.on_floor(place)
-        return np.concatenate([_offsets(s, (base * s.camera).inverse * self.tags[s.number], self.size) for s in seen])
+        best = least_squares(distances, (start.x, start.y, start.yaw), loss="huber", f_scale=ROBUST)
+        residual = float(np.sqrt(np.mean(best.fun**2)))
+        slopes = best.jac  # those of far corners are weighed down by the loss
+        inverse = np.linalg.inv(slopes.T @ slopes + 1e-9 * np.eye(3)).diagonal()
+        spread = max(residual, 0.1) ** 2 * np.maximum(inverse, 0)  # of a place far off, rounding may bring it below
+        x, y, yaw = (float(v) for v in best.x)
+        metres, radians = math.sqrt(spread[0] + spread[1]), math.sqrt(spread[2])
+        return Fix(FloorPose(x, y, yaw), len(seen), residual, metres, radians)
 
     def save(self, file: Path) -> None:
         """Write the map."""
@@ -160,19 +142,7 @@ def _tag_refined(where: Sequence[tuple[FloorPose, Sighting]], tag: Pose, size: f
     def offsets(pose: Pose) -> Array:
         return np.concatenate([_offsets(s, (Pose.on_floor(p) * s.camera).inverse * pose, size) for p, s in where])
 
-    h = 1e-6
-    for _ in range(STEPS):
-        errors = offsets(tag)
-        slopes = np.stack([(offsets(_shifted(tag, h * e)) - errors) / h for e in np.eye(6)], axis=1)
-        step = np.asarray(np.linalg.solve(slopes.T @ slopes + 1e-6 * np.eye(6), -slopes.T @ errors), dtype=np.float64)
-        tag = _shifted(tag, step)
-        if float(np.abs(step).max()) < 1e-7:
-            break
-    return tag
+    def moved(by: Array) -> Pose:
+        return Pose(tag.at + by[:3], turned_about(by[3:]) @ tag.axes)
 
-
-def _shifted(pose: Pose, by: Array) -> Pose:
-    """A pose moved, and turned about the axis and angle of the last three numbers."""
-    angle = float(np.linalg.norm(by[3:]))
-    turn = turned_about(by[3:] / angle, angle) if angle > 0 else np.eye(3)
-    return Pose(pose.at + by[:3], turn @ pose.axes)
+    return moved(least_squares(lambda by: offsets(moved(by)), np.zeros(6)).x)

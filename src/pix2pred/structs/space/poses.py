@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
@@ -95,39 +96,20 @@ class Pose:
 
     def angle_to(self, other: Pose) -> float:
         """Radians of the rotation between the two frames."""
-        trace = float(np.trace(self.axes.T @ other.axes))
-        return math.acos(min(1.0, max(-1.0, (trace - 1) / 2)))
+        return float(self._turn_to(other).magnitude())
 
     def towards(self, other: Pose, share: float) -> Pose:
         """The frame after ``share`` of the way to the other, turning about one axis."""
-        relative = self.axes.T @ other.axes
-        angle = self.angle_to(other)
-        axis = _axis(relative, angle)
-        return Pose(self.at + share * (other.at - self.at), self.axes @ turned_about(axis, share * angle))
+        turn = (self._turn_to(other) ** share).as_matrix()
+        return Pose(self.at + share * (other.at - self.at), self.axes @ turn)
+
+    def _turn_to(self, other: Pose) -> Rotation:
+        return Rotation.from_matrix(self.axes.T @ other.axes)
 
 
-def _axis(rotation: Array, angle: float) -> Array:
-    """The axis of a rotation by ``angle``; for half a turn from the symmetric part."""
-    skew = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
-    if math.pi - angle > 1e-4:
-        return np.asarray(skew / max(float(np.linalg.norm(skew)), 1e-12), dtype=np.float64)
-    square = (rotation + np.eye(3)) / 2
-    column = square[:, int(np.argmax(np.diag(square)))]
-    return np.asarray(column / float(np.linalg.norm(column)), dtype=np.float64)
-
-
-def turned_about(axis: Array, angle: float) -> Array:
-    """The rotation by ``angle`` about a unit vector (Rodrigues' formula)."""
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turn = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
-    return np.asarray(turn, dtype=np.float64)
-
-
-def turned_about_x(angle: float) -> Array:
-    """The rotation by ``angle`` about x."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+def turned_about(axis: Array, angle: float = 1.0) -> Array:
+    """The rotation by ``angle`` times the length of ``axis`` about it."""
+    return np.asarray(Rotation.from_rotvec(angle * axis).as_matrix(), dtype=np.float64)
 
 
 def turned_about_y(angle: float) -> Array:
@@ -144,30 +126,10 @@ def turned_about_z(angle: float) -> Array:
 
 def quaternion_of(axes: Array) -> tuple[float, float, float, float]:
     """The rotation as (w, x, y, z), w not negative."""
-    m = axes
-    candidates = np.array([np.trace(m), m[0, 0], m[1, 1], m[2, 2]])
-    i = int(np.argmax(candidates))
-    if i == 0:
-        q = np.array([1 + m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-    elif i == 1:
-        q = np.array([m[2, 1] - m[1, 2], 1 + m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]])
-    elif i == 2:
-        q = np.array([m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], 1 - m[0, 0] + m[1, 1] - m[2, 2], m[1, 2] + m[2, 1]])
-    else:
-        q = np.array([m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], 1 - m[0, 0] - m[1, 1] + m[2, 2]])
-    q = q / np.linalg.norm(q) * (1 if q[0] >= 0 else -1)
-    w, x, y, z = (float(v) for v in q)
+    w, x, y, z = Rotation.from_matrix(axes).as_quat(canonical=True, scalar_first=True).tolist()
     return w, x, y, z
 
 
 def axes_of(w: float, x: float, y: float, z: float) -> Array:
     """The rotation of a quaternion of any length but zero."""
-    n = math.sqrt(w * w + x * x + y * y + z * z)
-    w, x, y, z = w / n, x / n, y / n, z / n
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return np.asarray(Rotation.from_quat((w, x, y, z), scalar_first=True).as_matrix(), dtype=np.float64)

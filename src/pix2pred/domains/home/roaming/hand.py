@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from pix2pred.domains.home.drawing.vessels import HOPPER_RADIUS, HOPPER_TOP, VES
 from pix2pred.domains.home.places import on_table
 from pix2pred.domains.home.settling import settled
 from pix2pred.domains.home.stage import stage_for
-from pix2pred.domains.home.world import UPRIGHT, Thing, World
+from pix2pred.domains.home.world import UPRIGHT, Machine, Thing, World
 from pix2pred.structs.space.poses import Array, Pose, axes_of, quaternion_of
 
 SETTLING = 0.4
@@ -51,14 +51,6 @@ PRESSES = 0.035
 
 CARRYING_SPEED, TURNING_SPEED = 0.4, 1.2
 """Metres and radians per second at which a bin is carried and tipped while physics runs."""
-
-Machine = Callable[[World, str], World]
-"""Gives the world after the switch of a machine was pressed."""
-
-
-def no_machine(world: World, name: str) -> World:
-    """A switch that does nothing."""
-    return world
 
 
 @dataclass(frozen=True, slots=True)

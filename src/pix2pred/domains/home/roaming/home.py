@@ -14,11 +14,11 @@ from pix2pred.domains.home.drawing.fixtures import bin_size, table_size
 from pix2pred.domains.home.places import in_bin
 from pix2pred.domains.home.roaming import hand as effects
 from pix2pred.domains.home.roaming.eye import RoamingEye
-from pix2pred.domains.home.roaming.hand import Held, Machine, Wielded
+from pix2pred.domains.home.roaming.hand import Held, Wielded
 from pix2pred.domains.home.roaming.robot import cameras, make_roaming_robot, pose_robot
 from pix2pred.domains.home.settling import let_go, rise_of, settled
 from pix2pred.domains.home.stage import PhysicalScene, is_free
-from pix2pred.domains.home.world import SCENERY, Thing, World
+from pix2pred.domains.home.world import SCENERY, Machine, Thing, World, no_machine
 from pix2pred.domains.physics import mujoco_library
 from pix2pred.structs.space.poses import Array, FloorPose, Pose
 from pix2pred.structs.space.surroundings import Grip, Seen
@@ -37,7 +37,7 @@ _THIN = ("shade", "shadow")
 class RoamingHome:
     """A world with a robot in it, for one thread. ``machine`` is what a pressed switch of a juicer does."""
 
-    def __init__(self, world: World, machine: Machine = effects.no_machine) -> None:
+    def __init__(self, world: World, machine: Machine = no_machine) -> None:
         self.cameras = cameras()
         self.names: tuple[str, ...] = tuple(sorted(t.name for t in world.things if t.type != SCENERY))
         self.start = FloorPose()
