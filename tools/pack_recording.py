@@ -11,18 +11,47 @@ replays the answers.
 from __future__ import annotations
 
 import argparse
+import io
+import lzma
+import tarfile
+from collections.abc import Iterable
 from pathlib import Path
+
+import PIL.Image
 
 from pix2pred.demos import read_project, read_tasks
 from pix2pred.execution import Solver
 from pix2pred.pipeline import LearningProblem, learn
 from pix2pred.predicates import Labeller
-from pix2pred.recordings.archive import pack_folder
 from pix2pred.recordings.recording import ANSWERS, DATA, load_recording
 from pix2pred.registry import REGISTRY
 from pix2pred.settings import of_file, of_project, resolve
+from pix2pred.system.files import write_whole
 from pix2pred.vlm import Answer, AnswerStore, Request, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import replayed
+
+PRESET = 9 | lzma.PRESET_EXTREME
+"""LZMA's largest dictionary (64 MiB): a repeated background is found whatever lies between its two pictures."""
+
+
+def pack_folder(folder: Path, names: Iterable[str], archive: Path) -> None:
+    """Write the files ``names`` of ``folder`` into ``archive``, without dates or owners: equal files, equal bytes."""
+    packed = io.BytesIO()
+    with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as tar:
+        for name in sorted(names):
+            content = (folder / name).read_bytes()
+            if name.endswith(".png"):
+                content = _stored_plainly(content)
+            entry = tarfile.TarInfo(name)
+            entry.size = len(content)
+            tar.addfile(entry, io.BytesIO(content))
+    write_whole(archive, lzma.compress(packed.getvalue(), preset=PRESET))
+
+
+def _stored_plainly(png: bytes) -> bytes:
+    plain = io.BytesIO()
+    PIL.Image.open(io.BytesIO(png)).convert("RGB").save(plain, "PNG", compress_level=0)
+    return plain.getvalue()
 
 
 class Noting:

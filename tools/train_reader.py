@@ -5,9 +5,9 @@
 Writes ``weights.npz`` and ``card.json`` into the domain's ``reader/`` folder. The scenes come from seeds used for
 nothing else: 7001 for training, 7002 for the card's accuracies (tests use 7003).
 
-A domain brings three modules: ``random_worlds`` (``random_worlds(seed, looks, per_look)``), ``render``
+Beside it a domain has a module of ``random_worlds`` (``random_worlds(seed, looks, per_look)``), and brings ``render``
 (``render(world)``) and ``truth`` (``concept_value(world, concept, names)``). Its worlds have ``types()``. Where worlds
-are costly, or seen by several cameras, ``random_worlds`` has ``worlds_of_look(seed, look, per_look)`` and
+are costly, or seen by several cameras, that of ``random_worlds`` has ``worlds_of_look(seed, look, per_look)`` and
 ``views(world)`` instead, and no ``render`` is needed.
 """
 
@@ -63,6 +63,11 @@ def part_of(domain: str, module: str) -> Any:
     return import_module(f"pix2pred.domains.{domain}.{module}")
 
 
+def worlds_of(domain: str) -> Any:
+    """The module that makes random worlds of a domain."""
+    return import_module(f"random_worlds.{domain}")
+
+
 def folder_of(domain: str) -> Path:
     """Where a domain keeps its reader."""
     return Path(str(part_of(domain, "truth").__file__)).parent / "reader"
@@ -91,12 +96,12 @@ def render_worlds(words: WordListDoc, worlds: Sequence[World], views: Views) -> 
 
 def render_look(domain: str, words: WordListDoc, seed: int, look: int, per_look: int) -> Any:
     """The pictures of one look of a domain that draws its worlds look by look."""
-    module = part_of(domain, "random_worlds")
+    module = worlds_of(domain)
     return render_worlds(words, module.worlds_of_look(seed, look, per_look), module.views)
 
 
 def read_worlds(domain: str, seed: int, looks: int, per_look: int, jobs: int) -> tuple[list[World], list[Scene]]:
-    words, module = load_words(folder_of(domain)), part_of(domain, "random_worlds")
+    words, module = load_words(folder_of(domain)), worlds_of(domain)
     run = Parallel(n_jobs=jobs)
     if hasattr(module, "worlds_of_look"):
         seen = run(delayed(render_look)(domain, words, seed, look, per_look) for look in range(looks))

@@ -14,7 +14,6 @@ import burger_truth
 from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.disturbances import Disturbances
 from pix2pred.domains.burger.environment import BurgerEnvironment
-from pix2pred.domains.burger.random_worlds import random_worlds
 from pix2pred.domains.burger.truth import concept_value
 from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.execution import Solver
@@ -29,6 +28,7 @@ from pix2pred.vlm import VLM, Answer, Request
 from pix2pred.vlm.answers.store import AnswerStore
 from pix2pred.vlm.answers.stored import StoredVLM
 from pix2pred.vlm.noise.oracle import NoiseRates, NoisyOracle
+from random_worlds.burger import random_worlds
 
 WORDS = {"cooked": "cooked", "hand_free": "hand_empty"}
 

@@ -17,12 +17,13 @@ import numpy as np
 import pytest
 
 from extras import need
+from pack_recording import pack_folder
 from pix2pred.demos import Project, read_project, read_tasks, write_project
 from pix2pred.execution import Solver
 from pix2pred.pipeline import Learned, LearningProblem, learn
 from pix2pred.predicates import Labeller
 from pix2pred.recordings import Recording, load_recording, recording_names
-from pix2pred.recordings.archive import pack_folder, unpack_folder
+from pix2pred.recordings.archive import unpack_folder
 from pix2pred.registry import load_domain, load_planner
 from pix2pred.settings import of_file, of_project, resolve
 from pix2pred.structs import Image, PlanStatus

@@ -103,7 +103,7 @@ def left(served: dict[str, Any]) -> dict[str, Any]:
 @SPOT
 @SIM
 def test_a_map_is_made_while_the_robot_turns(tmp_path: Path, served: dict[str, Any]) -> None:
-    from pix2pred.domains.home.roaming.tags import map_of
+    from pix2pred.domains.home.roaming.tags import TAGS
     from pix2pred.robots.localising.tag_map import TagMap
 
     file = tmp_path / "map.json"
@@ -114,7 +114,7 @@ def test_a_map_is_made_while_the_robot_turns(tmp_path: Path, served: dict[str, A
     ran = subprocess.run(command, capture_output=True, text=True, env=os.environ | SECRETS, timeout=2 * PATIENCE)
     assert ran.returncode == 0, ran.stderr
     told = json.loads(ran.stdout.splitlines()[-1])
-    made, true = TagMap.load(file), map_of()
+    made, true = TagMap.load(file), {tag.number: tag for tag in TAGS}
     assert told["looks"] == 5 and sorted(made.tags) == told["tags"] and len(told["tags"]) >= 4
     for number, pose in made.tags.items():  # the robot starts at the room's origin
         assert float(np.linalg.norm(pose.at - true[number].at)) < 0.03, number

@@ -49,7 +49,7 @@ def test_a_lease_that_nobody_retains_is_revoked_and_free_for_others() -> None:
     leases = Leases(clock, 5.0)
     lease = leases.take("one")
     clock.seconds += 4
-    assert leases.retain(lease) is Use.OK
+    assert leases.use(lease) is Use.OK
     clock.seconds += 4
     assert not leases.stale
     clock.seconds += 2

@@ -19,7 +19,6 @@ from pix2pred.domains.burger import BurgerDomain
 from pix2pred.domains.burger.classifiers import objects_of
 from pix2pred.domains.burger.drawing.render import render
 from pix2pred.domains.burger.environment import BurgerEnvironment
-from pix2pred.domains.burger.random_worlds import random_worlds
 from pix2pred.domains.burger.vocabulary import SKILL_OF, SKILLS
 from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.predicates import Labeller, LabelSettings, StepToLabel, ground_atoms
@@ -28,6 +27,7 @@ from pix2pred.structs import Action, Atom, Box, FromVLM, Image, Label, Object, P
 from pix2pred.vlm import Answer, Purpose, Request
 from pix2pred.vlm.offline.model import WEIGHTS, ReaderModel
 from pix2pred.vlm.offline.reader import OfflineReader
+from random_worlds.burger import random_worlds
 
 TEST_SEED = 7003
 READER = BurgerDomain().reader or Path()

@@ -1,4 +1,4 @@
-"""Folders as one small file: a tar archive packed by LZMA, the same bytes for the same files.
+"""Folders out of one small file: a tar archive packed by LZMA, as ``tools/pack_recording.py`` makes it.
 
 Pictures of one camera repeat most of their pixels. PNG files hide that, because each packs its own pixels, so they are
 archived with their pixels stored plainly and packed again when they are taken out; no pixel changes.
@@ -9,30 +9,11 @@ from __future__ import annotations
 import io
 import lzma
 import tarfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
-
-import PIL.Image
 
 from pix2pred.structs import Image
 from pix2pred.system.files import write_whole
-
-PRESET = 9 | lzma.PRESET_EXTREME
-"""LZMA's largest dictionary (64 MiB): a repeated background is found whatever lies between its two pictures."""
-
-
-def pack_folder(folder: Path, names: Iterable[str], archive: Path) -> None:
-    """Write the files ``names`` of ``folder`` into ``archive``, in sorted order and without dates or owners."""
-    packed = io.BytesIO()
-    with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as tar:
-        for name in sorted(names):
-            content = (folder / name).read_bytes()
-            if name.endswith(".png"):
-                content = _stored_plainly(content)
-            entry = tarfile.TarInfo(name)
-            entry.size = len(content)
-            tar.addfile(entry, io.BytesIO(content))
-    write_whole(archive, lzma.compress(packed.getvalue(), preset=PRESET))
 
 
 def unpack_folder(archive: Path, folder: Path) -> None:
@@ -56,9 +37,3 @@ def _entries(archive: Path) -> Iterator[tuple[str, bytes]]:
             if stream is None:
                 raise ValueError(f"{archive}: {entry.name} is no plain file")
             yield entry.name, stream.read()
-
-
-def _stored_plainly(png: bytes) -> bytes:
-    plain = io.BytesIO()
-    PIL.Image.open(io.BytesIO(png)).convert("RGB").save(plain, "PNG", compress_level=0)
-    return plain.getvalue()

@@ -23,9 +23,6 @@ LEAST_PIXELS = 60
 """An object of which fewer pixels are seen counts as hidden and gets no box."""
 
 _KEPT = 2
-_CHOOSING = 13
-"""The second number of the seed by which cameras are left out."""
-
 _UPRIGHT = {m.name: round(m.roll) for m in MOUNTS}
 
 
@@ -100,16 +97,6 @@ def camera_names(world: World) -> tuple[str, ...]:
 def pictures(world: World) -> tuple[Picture, ...]:
     """One picture a camera, with boxes around what is seen of the objects."""
     return tuple(picture(world, name) for name in camera_names(world))
-
-
-def some_pictures(world: World, shares: Mapping[str, float]) -> list[Picture]:
-    """What a person sees, or the hand camera's picture and some of the others, by the world's own seed.
-
-    ``shares`` says how often a camera's picture is taken; one that is not in it takes none.
-    """
-    rng = np.random.default_rng(np.random.SeedSequence((world.room, _CHOOSING)))
-    chosen = [n for n in camera_names(world) if n in ("head", "hand_color") or rng.random() < shares.get(n, 0.0)]
-    return [picture(world, name) for name in chosen]
 
 
 def picture(world: World, camera: str) -> Picture:

@@ -190,11 +190,6 @@ class SimulatedBody:
         shoulder = Pose.on_floor(place).points(np.array(SHOULDER))
         return float(np.linalg.norm(at - shoulder)) <= self.traits.reach - margin
 
-    def set_hand(self, hand: Pose) -> None:
-        """The hand is at ``hand``, seen from the place under the nose, without having touched anything on its way."""
-        self.hand = hand
-        self._put()
-
     def _stop_walking(self) -> None:
         if self._walk is not None and self._walk.end is End.RUNNING:
             self._walk.end = End.STOPPED

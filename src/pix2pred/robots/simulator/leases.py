@@ -109,7 +109,3 @@ class Leases:
             self._latest = max(self._latest, ticket.sequence)
             self._retained = self._now()
         return result
-
-    def retain(self, ticket: Ticket | None) -> Use:
-        """Its holder is still there."""
-        return self.use(ticket)

@@ -51,10 +51,6 @@ class Limbs:
 
         self._wait(number, arrived, lasts, "walking")
 
-    def stow(self) -> None:
-        """Fold the arm."""
-        self._named_position(RobotCommandBuilder.arm_stow_command())
-
     def carry(self) -> None:
         """Hold what was taken in front of the body."""
         self._named_position(RobotCommandBuilder.arm_carry_command())

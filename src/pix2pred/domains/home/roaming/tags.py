@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from pix2pred.domains.home.drawing.maker import Maker
@@ -85,8 +85,3 @@ def _black_runs(number: int) -> Iterator[tuple[int, int, int]]:
             elif white and first is not None:
                 yield row, first, column - 1
                 first = None
-
-
-def map_of(tags: Sequence[WallTag] = TAGS) -> Mapping[int, WallTag]:
-    """The tags by their numbers."""
-    return {tag.number: tag for tag in tags}

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pix2pred.domains.home.cameras import some_pictures
 from pix2pred.domains.home.drawing.room import STYLES
 from pix2pred.domains.home.drawing.vessels import DRINKS
 from pix2pred.domains.home.places import Region
@@ -17,6 +16,7 @@ from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 from pix2pred.domains.juice.skills import FULL
 from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Picture
+from random_worlds.home_views import some_pictures
 
 Rng = np.random.Generator
 

@@ -21,11 +21,12 @@ from pix2pred.domains.cleanup.scenes import (
     make_world,
 )
 from pix2pred.domains.cleanup.skills import all_strokes
-from pix2pred.domains.home.cameras import camera_names, some_pictures
+from pix2pred.domains.home.cameras import camera_names
 from pix2pred.domains.home.drawing.room import STYLES
 from pix2pred.domains.home.world import Body, World
 from pix2pred.domains.seeds import Split, scene_generator
 from pix2pred.structs import Picture
+from random_worlds.home_views import some_pictures
 
 Rng = np.random.Generator
 
