@@ -113,6 +113,10 @@ class Registry(Planners):
         """The model that ``--vlm`` names. ``offline`` is the reader of the bundled domain ``domain``."""
         return self.model_spec(spec).connect(self._setup(domain, flow, limits))
 
+    def writes(self, spec: str) -> bool:
+        """Whether the model that ``--vlm`` names writes plans and code as well as labels."""
+        return self.model_spec(spec).writes
+
     def stored(
         self,
         spec: str,

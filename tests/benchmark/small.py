@@ -74,6 +74,9 @@ class SmallNames(Registry):
     def vlm(self, spec: str, domain: str | None, *_: object, **__: object) -> VLM:
         return HashVLM("offline:hash" if spec == "offline" else spec)
 
+    def writes(self, spec: str) -> bool:
+        return spec != "offline"
+
 
 def small_suite(**changes: Any) -> Suite:
     learning = {"max_plans": 2, "node_budget": 500}

@@ -28,9 +28,6 @@ from pix2pred.structs import Demo, Episode, Failure, Predicate
 from pix2pred.structs.environment import Domain, Environment, Replayable, SimulatedTask
 from pix2pred.vlm import VLM, AnswerStore, CountingVLM, StoredVLM, StoreMode
 
-READER = "offline:"
-"""How the names of offline readers begin."""
-
 
 class Catalogue(Protocol):
     """Where names become objects. Survives pickling, because workers look the names up themselves."""
@@ -41,6 +38,10 @@ class Catalogue(Protocol):
 
     def vlm(self, spec: str, domain: str | None) -> VLM:
         """The model that ``--vlm`` names."""
+        ...
+
+    def writes(self, spec: str) -> bool:
+        """Whether the model that ``--vlm`` names writes plans and code as well as labels."""
         ...
 
     def approach(self, name: str) -> Approach:
@@ -133,7 +134,7 @@ class Job:
             assert self.family_name, "a family has a name"
         except NotAvailableError as error:
             return TryOutcome.NOT_AVAILABLE, str(error)
-        if self.catalogue.approach(name).needs_model and self.model.name.startswith(READER):
+        if self.catalogue.approach(name).needs_model and not self.catalogue.writes(self.vlm):
             return TryOutcome.NEEDS_MODEL, f"{self.model.name} neither plans nor writes code"
         return None
 

@@ -97,6 +97,11 @@ class ModelSpec(ABC):
         return ""
 
     @property
+    def writes(self) -> bool:
+        """Whether the model writes plans and code as well as labels."""
+        return True
+
+    @property
     def asks_the_rest(self) -> bool:
         """Whether what the model does not know is asked of the one named after it."""
         return False

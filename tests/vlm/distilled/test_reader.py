@@ -257,6 +257,14 @@ def test_drift_is_more_than_chance() -> None:
     assert tally.chance < 0.001 and tally.drifted and "drift" not in Tally().line()
 
 
+def test_a_reader_writes_no_plans_and_a_cascade_does_what_its_model_does() -> None:
+    writes = {
+        spec: REGISTRY.writes(spec) for spec in ("offline", "reader:r", "cascade:r,openai:gpt-4o", "openai:gpt-4o")
+    }
+    assert writes == {"offline": False, "reader:r": False, "cascade:r,openai:gpt-4o": True, "openai:gpt-4o": True}
+    assert not REGISTRY.writes("cascade:r,offline")
+
+
 def test_readers_and_cascades_can_be_named_and_cost_nothing_or_less(folder: Path, tmp_path: Path) -> None:
     store = AnswerStore(tmp_path)
     shown, _, _ = state(7)

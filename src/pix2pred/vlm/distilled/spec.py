@@ -41,6 +41,10 @@ class ReaderSpec(ModelSpec):
         return DistilledReader(*read_reader(self.directory))
 
     @property
+    def writes(self) -> bool:
+        return False
+
+    @property
     def rates(self) -> Rates:
         return Free()
 
@@ -65,6 +69,10 @@ class CascadeSpec(ModelSpec):
 
     def known(self) -> str:
         return self.reader.known()
+
+    @property
+    def writes(self) -> bool:
+        return self.model.writes
 
     @property
     def asks_the_rest(self) -> bool:

@@ -12,6 +12,10 @@ from pix2pred.vlm.request import VLM
 class OfflineSpec(ModelSpec):
     """The small classifiers that come with a domain; which domain, the run's setup says."""
 
+    @property
+    def writes(self) -> bool:
+        return False
+
     def connect(self, setup: Setup) -> VLM:
         """The reader. Raises ``ModelNameError`` for a domain that has none."""
         if setup.reader is None:
