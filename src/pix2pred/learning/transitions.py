@@ -82,6 +82,7 @@ class IndexedTable:
         self.demos = tuple(self._read_demo(demo) for demo in table.demos)
         self.transitions = tuple(self._read_transitions(table.demos))
         self._effects = [self._changes(p) for p in range(len(self.predicates))]
+        self._held: dict[int, dict[ObjectIds, int]] = {}
         self._declared_types = False
 
     def with_declared_types(self) -> IndexedTable:
@@ -136,6 +137,7 @@ class IndexedTable:
             for d, states in enumerate(self._extensions)
         ]
         new._effects = [new._changes(p) if p in extensions else effects for p, effects in enumerate(self._effects)]
+        new._held = {}
         return new
 
     def with_goals_reached(self, predicates: Collection[int]) -> IndexedTable:
@@ -158,6 +160,26 @@ class IndexedTable:
         """The extension of ``predicate`` in the state before a transition."""
         tr = self.transitions[transition]
         return self._extensions[tr.demo][tr.step].get(predicate, NOTHING)
+
+    def held_before(self, predicate: int) -> dict[ObjectIds, int]:
+        """The argument tuples of which ``predicate`` is ever true, with the transitions before which it is, as bits."""
+        if predicate not in self._held:
+            held: dict[ObjectIds, int] = {}
+            first = 0
+            for d, demo in enumerate(self.demos):
+                end = first + demo.states - 1
+                since = dict.fromkeys(self.extension(d, 0, predicate), first)
+                for t in range(first, end):
+                    added, deleted = self.effects(predicate, t)
+                    for args in deleted:
+                        held[args] = held.get(args, 0) | (2 << t) - (1 << since.pop(args))
+                    for args in added:
+                        since[args] = t + 1
+                for args, t in since.items():
+                    held[args] = held.get(args, 0) | (1 << end) - (1 << t)
+                first = end
+            self._held[predicate] = held
+        return self._held[predicate]
 
     def effects(self, predicate: int, transition: int) -> tuple[Extension, Extension]:
         """(added, deleted) argument tuples of ``predicate`` over a transition."""

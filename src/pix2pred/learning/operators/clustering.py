@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from itertools import chain
+from typing import NamedTuple
 
-from pix2pred.learning.operators.transition_class import Lifted, Member, Partition, TransitionClass
+from pix2pred.learning.operators.transition_class import Lifted, Member, MemberCache, Partition, TransitionClass
 from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.structs import Type
 
@@ -40,8 +42,7 @@ def refine(data: IndexedTable, classes: Partition, predicates: Sequence[int], ad
     return tuple(sorted(refined, key=lambda c: c.first))
 
 
-@dataclass(frozen=True, slots=True)
-class _Change:
+class _Change(NamedTuple):
     """What a predicate does in a transition: ``outside`` are the types of objects that the class has no variable for,
     numbered after its variables; ``add`` and ``delete`` are argument tuples in these numbers."""
 
@@ -50,7 +51,8 @@ class _Change:
     delete: frozenset[tuple[int, ...]]
 
 
-UNCHANGED = _Change((), frozenset(), frozenset())
+_NOTHING: frozenset[tuple[int, ...]] = frozenset()
+UNCHANGED = _Change((), _NOTHING, _NOTHING)
 
 
 def _split(data: IndexedTable, cls: TransitionClass, predicates: Sequence[int], added: int) -> Partition:
@@ -75,10 +77,12 @@ def _split(data: IndexedTable, cls: TransitionClass, predicates: Sequence[int], 
         found = _change(data, cls, i, added)
         if found is None:
             ambiguous.append(member.transition)
+        elif found[0] in parts:
+            parts[found[0]].append((i, found[1]))
         elif not all(data.fits(cls.types + found[0].outside, added, atom) for atom in found[0].add | found[0].delete):
             return _cluster(data, wider, [m.transition for m in cls.members])
         else:
-            parts.setdefault(found[0], []).append((i, found[1]))
+            parts[found[0]] = [(i, found[1])]
     if unchanged:
         parts[UNCHANGED] = unchanged
     if len(parts) == 1 and not ambiguous:
@@ -102,7 +106,7 @@ def _change(data: IndexedTable, cls: TransitionClass, i: int, added: int) -> tup
     """
     member, variable = cls.members[i], cls.variables()[i]
     changes = data.effects(added, member.transition)
-    others = {o for extension in changes for args in extension for o in args} - variable.keys()
+    others = {o for args in chain(*changes) for o in args if o not in variable}
     kinds: tuple[Type, ...] = ()
     if others:
         ordered = tuple(sorted(others, key=lambda o: data.objects[o].type.name))
@@ -111,31 +115,30 @@ def _change(data: IndexedTable, cls: TransitionClass, i: int, added: int) -> tup
             return None
         variable = variable | {o: len(cls.types) + n for n, o in enumerate(ordered)}
         member = Member(member.transition, member.objects + ordered)
-    plus, minus = (frozenset([tuple([variable[o] for o in args]) for args in e]) for e in changes)
+    plus, minus = [frozenset([tuple([variable[o] for o in args]) for args in e]) if e else _NOTHING for e in changes]
     return _Change(kinds, plus, minus), member
 
 
 def _part(cls: TransitionClass, numbered: Sequence[tuple[int, Member]], added: int, change: _Change) -> TransitionClass:
     """The class of some members alone, its variables in the order of the first member's object names."""
-    members = [member for _, member in numbered]
+    members = tuple([member for _, member in numbered])
     types = cls.types + change.outside
     order = sorted(range(len(types)), key=members[0].objects.__getitem__)
+    if order != list(range(len(types))):
+        members = tuple([Member(t, tuple([objects[old] for old in order])) for t, objects in members])
     new = {old: v for v, old in enumerate(order)}
 
     def renumbered(lifted: Iterable[Lifted], more: Iterable[tuple[int, ...]]) -> tuple[Lifted, ...]:
-        return tuple(sorted((p, tuple(new[v] for v in args)) for p, args in (*lifted, *((added, m) for m in more))))
+        return tuple(sorted([(p, tuple([new[v] for v in a])) for p, a in (*lifted, *((added, m) for m in more))]))
 
-    if order == list(range(len(cls.types))):
-        add, delete = renumbered(cls.add, change.add), renumbered(cls.delete, change.delete)
-        memo = cls.memo.of([i for i, _ in numbered])
-        return replace(cls, add=add, delete=delete, members=tuple(members), memo=memo)
     return TransitionClass(
         cls.skill,
         tuple(types[old] for old in order),
         tuple(new[v] for v in cls.skill_args),
         renumbered(cls.add, change.add),
         renumbered(cls.delete, change.delete),
-        tuple(Member(m.transition, tuple([m.objects[old] for old in order])) for m in members),
+        members,
+        MemberCache() if change.outside else cls.part([i for i, _ in numbered], order),
     )
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import chain, product
+from itertools import product
+from typing import NamedTuple
 
 from pix2pred.learning.transitions import IndexedTable, ObjectIds
 from pix2pred.structs import LiftedAtom, Operator, Type, Variable
@@ -14,41 +14,43 @@ Lifted = tuple[int, tuple[int, ...]]
 """(predicate, variable numbers)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Member:
+class Member(NamedTuple):
     """A transition of a class and the objects its variables stand for."""
 
     transition: int
     objects: ObjectIds
 
 
+Held = dict[tuple[int, ...], int]
+"""Atoms of a predicate over a class's variables, in order, with the transitions before which they hold as bits."""
+
+
 @dataclass(slots=True)
 class MemberCache:
     """What follows from a class's members alone.
 
-    The variable of each object; by predicate what ``held`` before each member, in how many (``before``) and, as a
-    learner may remember, over which variables it is ``required``. What a ``whole`` of which these ``members`` are part
-    knows is taken from there.
+    The variable of each object; by variables what they are ``bound`` to in which transitions; by predicate what
+    ``held`` before which of them, before how many (``before``) and, as a learner may remember, over which variables it
+    is ``required``. A part of a class takes from its ``origin`` what it can.
     """
 
     variables: list[dict[int, int]] = field(default_factory=list)
-    held: dict[int, list[list[tuple[int, ...]]]] = field(default_factory=dict)
+    bound: dict[tuple[int, ...], dict[ObjectIds, int]] = field(default_factory=dict)
+    held: dict[int, Held] = field(default_factory=dict)
     before: dict[int, dict[tuple[int, ...], int]] = field(default_factory=dict)
     required: dict[int, list[tuple[int, ...]]] = field(default_factory=dict)
-    whole: MemberCache | None = None
-    members: Sequence[int] = ()
+    origin: Origin | None = None
 
-    def of(self, members: Sequence[int]) -> MemberCache:
-        """The same for some of the members, the variables unchanged."""
-        return MemberCache([self.variables[i] for i in members] if self.variables else [], whole=self, members=members)
 
-    def held_before(self, predicate: int) -> list[list[tuple[int, ...]]] | None:
-        """What holds before each member, if it is known."""
-        if predicate not in self.held and self.whole is not None:
-            known = self.whole.held_before(predicate)
-            if known is not None:
-                self.held[predicate] = [known[i] for i in self.members]
-        return self.held.get(predicate)
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The class that a part was split from: which of its ``members`` the part has, which transitions these are, as
+    bits, and which number its variables have in the part, ``None`` where they kept theirs."""
+
+    whole: TransitionClass
+    members: Sequence[int]
+    bits: int
+    renumbered: tuple[int, ...] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,41 +70,70 @@ class TransitionClass:
         """The first transition: classes are ordered by it."""
         return self.members[0].transition
 
+    def part(self, members: Sequence[int], order: Sequence[int]) -> MemberCache:
+        """What the class of some members alone, by their numbers, takes over; ``order`` lists this class's variables
+        in the order that they have there."""
+        new = None if all(v == i for i, v in enumerate(order)) else tuple(map(order.index, range(len(order))))
+        whole, origin = self, self.memo.origin
+        if origin is not None:
+            whole, members = origin.whole, [origin.members[i] for i in members]
+            if origin.renumbered is not None:
+                new = tuple([v if new is None else new[v] for v in origin.renumbered])
+        bits = sum([1 << whole.members[i].transition for i in members])
+        return MemberCache(origin=Origin(whole, members, bits, new))
+
     def variables(self) -> list[dict[int, int]]:
         """For every member, the variable that an object is bound to."""
         if not self.memo.variables:
-            self.memo.variables = [{o: v for v, o in enumerate(member.objects)} for member in self.members]
+            origin = self.memo.origin
+            if origin is None or origin.renumbered is not None:
+                self.memo.variables = [{o: v for v, o in enumerate(member.objects)} for member in self.members]
+            else:
+                known = origin.whole.variables()
+                self.memo.variables = [known[i] for i in origin.members]
         return self.memo.variables
 
     def counts_before(self, data: IndexedTable, predicate: int) -> dict[tuple[int, ...], int]:
         """In how many members each atom of ``predicate`` over the variables holds before the skill."""
         before = self.memo.before
         if predicate not in before:
-            counts = Counter(chain.from_iterable(self.held_before(data, predicate)))
-            before[predicate] = dict(sorted(counts.items()))
+            origin = self.memo.origin
+            if origin is None:
+                counts = {v: held.bit_count() for v, held in self._held_before(data, predicate).items()}
+            else:
+                whole = origin.whole._held_before(data, predicate)
+                counts = {v: n for v, held in whole.items() if (n := (held & origin.bits).bit_count())}
+                if (new := origin.renumbered) is not None:
+                    counts = dict(sorted([(tuple([new[x] for x in v]), n) for v, n in counts.items()]))
+            before[predicate] = counts
         return before[predicate]
 
-    def held_before(self, data: IndexedTable, predicate: int) -> list[list[tuple[int, ...]]]:
-        """For every member, the atoms of ``predicate`` over the variables that hold before the skill."""
-        known = self.memo.held_before(predicate)
+    def _held_before(self, data: IndexedTable, predicate: int) -> Held:
+        """The atoms of ``predicate`` over the variables that hold before the skill, and in which transitions."""
+        known = self.memo.held.get(predicate)
         if known is None:
-            known = self.memo.held[predicate] = list(self._lifted_before(data, predicate))
+            held, known = data.held_before(predicate), {}
+            wanted = data.predicates[predicate].types
+            for atom in product(*([v for v, t in enumerate(self.types) if t.is_a(w)] for w in wanted)):
+                found = 0
+                for objects, transitions in self._bound(atom).items():
+                    if objects in held:
+                        found |= held[objects] & transitions
+                if found:
+                    known[atom] = found
+            self.memo.held[predicate] = known
         return known
 
-    def _lifted_before(self, data: IndexedTable, predicate: int) -> Iterator[list[tuple[int, ...]]]:
-        wanted = data.predicates[predicate].types
-        atoms = list(product(*([v for v, t in enumerate(self.types) if t.is_a(w)] for w in wanted)))
-        for member, variable in zip(self.members, self.variables(), strict=True):
-            true = data.before(member.transition, predicate) if atoms else ()
-            if len(true) > len(atoms):
-                objects = member.objects
-                yield [lifted for lifted in atoms if tuple([objects[v] for v in lifted]) in true]
-            elif len(wanted) == 1:
-                yield [(variable[o],) for (o,) in true if o in variable]
-            elif len(wanted) == 2:
-                yield [(variable[a], variable[b]) for a, b in true if a in variable and b in variable]
-            else:
-                yield [tuple([variable[o] for o in args]) for args in true if all(o in variable for o in args)]
+    def _bound(self, variables: tuple[int, ...]) -> dict[ObjectIds, int]:
+        """What ``variables`` stand for, and in which transitions, as bits."""
+        known = self.memo.bound.get(variables)
+        if known is None:
+            known = {}
+            for transition, objects in self.members:
+                own = tuple([objects[v] for v in variables])
+                known[own] = known.get(own, 0) | 1 << transition
+            self.memo.bound[variables] = known
+        return known
 
 
 Partition = tuple[TransitionClass, ...]
