@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pix2pred.learning.objective.objective import Score
 from pix2pred.learning.objective.planning_effort import BACKTRACK
 from pix2pred.learning.operators.learner import OperatorModel
+from pix2pred.learning.selection.chance import told_by_chance
 from pix2pred.learning.selection.conditions import is_condition
 from pix2pred.learning.selection.projections import is_contrary, is_projection
 from pix2pred.learning.selection.stopping_rule import ScoredSet, best_explained
@@ -31,6 +32,11 @@ class ExplainedEffortSettings(BaseModel):
         "charges. The counts themselves vary by some 10 to 35 % with ties",
     )  # fmt: skip
     slack: float = Field(1.0, ge=0, description="nodes by which it may exceed it whatever J is: the counts' own error")
+    equal_price: float = Field(
+        0.01, ge=0,
+        description="arguments by which prices of candidates may differ and be equal, so that J decides: two wrong "
+        "labels in ten thousand, the estimate's own error where no label is wrong",
+    )  # fmt: skip
     charges: float = Field(
         BACKTRACK / 2, gt=0,
         description="units of J. Charges that differ by less are equal: half of what one back-track in one "
@@ -70,7 +76,7 @@ class ExplainedEffortSettings(BaseModel):
     finer_tolerance: float = Field(
         0.01, ge=0,
         description="share by which a predicate's J, and by which its doubt, may exceed those of a coarser one that it "
-        "determines, and still be taken in its place: equal but for ties",
+        "determines, and still be taken in its place: equal but for ties. The same share of J where prices are equal",
     )  # fmt: skip
     one_for_many: float = Field(
         0.03, ge=0, lt=1,
@@ -109,9 +115,16 @@ class ExplainedEffort:
         highest = self.ceiling(best.score.total, model.doubt(best.predicate))
         rivals = [s for s in scored if weighed[s.predicate] <= highest]
         rivals = [s for s in rivals if s.score.charges <= best.score.charges + self.settings.charges]
-        cheapest = best_explained(model, rivals)
+        cheapest = self._best(model, rivals)
         finer = [s for s in rivals if self._says_more(model, s, cheapest)]
-        return best_explained(model, finer) if finer else cheapest
+        return self._best(model, finer) if finer else cheapest
+
+    def _best(self, model: OperatorModel, rivals: Sequence[ScoredSet]) -> ScoredSet:
+        """The cheapest one; of those that cost the same the one with the smallest J, if they differ in that."""
+        cheapest = min(model.price(s.predicate) for s in rivals)
+        alike = [s for s in rivals if model.price(s.predicate) <= cheapest + self.settings.equal_price]
+        highest = (1 + self.settings.finer_tolerance) * min(s.score.total for s in alike) + self.settings.slack
+        return best_explained(model, [s for s in alike if s.score.total <= highest])
 
     def _says_more(self, model: OperatorModel, fine: ScoredSet, coarse: ScoredSet) -> bool:
         """Whether one predicate serves as well as another and determines it.
@@ -135,6 +148,14 @@ class ExplainedEffort:
 
     def hopeful(self, reached: Score, trials: int) -> bool:
         return reached.charges >= self.settings.charges and trials <= self.settings.trials
+
+    def by_chance(self, model: OperatorModel, found: ScoredSet, before: Score, statics: int) -> bool:
+        """A back-track that a predicate saves is evidence by itself; nodes are saved by whatever forbids steps."""
+        return (
+            not model.data.changing(found.predicate)
+            and before.charges - found.score.charges < self.settings.charges
+            and told_by_chance(model, found.classes, found.predicate, statics)
+        )
 
     def firsts(self, model: OperatorModel, reached: ScoredSet, singly: Sequence[ScoredSet]) -> Sequence[ScoredSet]:
         if reached.score.charges < self.settings.charges:

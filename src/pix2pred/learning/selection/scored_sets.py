@@ -6,10 +6,11 @@ import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pix2pred.learning.objective.objective import DemoQuery, Objective
+from pix2pred.learning.objective.objective import DemoQuery, Objective, PartialSum
 from pix2pred.learning.operators.learner import OperatorModel
+from pix2pred.learning.operators.transition_class import Partition
 from pix2pred.learning.selection.result import ClimbStep, RunnerUp
-from pix2pred.learning.selection.stopping_rule import ScoredSet, StoppingRule
+from pix2pred.learning.selection.stopping_rule import Sceptical, ScoredSet, StoppingRule
 from pix2pred.system.progress import Progress, Stage
 
 BATCH = 8
@@ -48,6 +49,7 @@ class ScoredSets:
         self.model, self.rule, self.objective = model, rule, objective
         self.representatives, self.pinned = representatives, pinned
         self.effort = effort
+        self.statics = sum(not model.data.changing(p) for p in representatives)
 
     def without(self, candidate: int) -> ScoredSets:
         """The same with a candidate less."""
@@ -64,7 +66,8 @@ class ScoredSets:
         return ScoredSet(chosen[-1] if chosen else -1, tuple(chosen), classes, self.objective.score(chosen, classes))
 
     def expand(self, current: ScoredSet, progress: Progress) -> list[ScoredSet]:
-        """Score every set with one more candidate, in order of name; hopeless ones get a lower bound.
+        """Score every set with one more candidate, in order of name; hopeless ones get a lower bound, and what the rule
+        takes for an accident is left out.
 
         The sets with the smallest sums so far are taken to the next demonstration, the easiest one first, until no
         sum can compete with the best any more (method 6.5, item 6). They are taken in batches of a fixed size,
@@ -79,12 +82,14 @@ class ScoredSets:
         ]
         queue = [(part.total, i, 0) for i, part in enumerate(sums)]
         heapq.heapify(queue)
-        bound = current.score.total
+        bound, accidents = current.score.total, set[int]()
         while True:
             batch: list[tuple[int, int]] = []
             while queue and queue[0][0] <= bound and len(batch) < BATCH:
                 _, i, position = heapq.heappop(queue)
-                if position == len(order):
+                if position == len(order) and self._by_chance(current, refined[i], candidates[i], sums[i]):
+                    accidents.add(i)
+                elif position == len(order):
                     bound = min(bound, self.rule.ceiling(sums[i].total, self.model.doubt(candidates[i])))
                 else:
                     batch.append((i, position))
@@ -102,9 +107,19 @@ class ScoredSets:
         self.effort.evaluations += sum(1 + len(self.representatives[p]) for p in candidates)
         self.effort.budget_hits += sum(part.budget_hits for part in sums)
         return [
-            ScoredSet(p, (*current.chosen, p), classes, part.score())
-            for p, classes, part in zip(candidates, refined, sums, strict=True)
+            ScoredSet(p, (*current.chosen, p), refined[i], sums[i].score())
+            for i, p in enumerate(candidates)
+            if i not in accidents
         ]
+
+    def _by_chance(self, current: ScoredSet, classes: Partition, candidate: int, found: PartialSum) -> bool:
+        """Whether the rule takes what a candidate adds to a set for an accident."""
+        return isinstance(self.rule, Sceptical) and self.rule.by_chance(
+            self.model,
+            ScoredSet(candidate, (*current.chosen, candidate), classes, found.score()),
+            current.score,
+            self.statics,
+        )
 
     def step(self, best: ScoredSet, scored: Sequence[ScoredSet]) -> ClimbStep:
         """The step to ``best``; ``scored`` are the sets it was chosen from."""

@@ -106,6 +106,16 @@ class Reconsidering(Protocol):
         ...
 
 
+@runtime_checkable
+class Sceptical(Protocol):
+    """What a rule may add: sets that are left out, whatever their J."""
+
+    def by_chance(self, model: OperatorModel, found: ScoredSet, before: Score, statics: int) -> bool:
+        """Whether what the last candidate of ``found`` says may well be chance; ``before`` is the score without it,
+        ``statics`` candidates never change."""
+        ...
+
+
 def best_explained(model: OperatorModel, rivals: Sequence[ScoredSet]) -> ScoredSet:
     """The cheapest of several, then the one whose labels its own operators explain best, then the first by name.
 
