@@ -12,6 +12,7 @@ from extras import need
 from pix2pred.domains.cleanup import CleanupDomain
 from pix2pred.domains.cleanup.truth import concept_value
 from pix2pred.learning import LearningSettings, hill_climbing, learn_operators
+from pix2pred.planning import OneByOne
 from pix2pred.structs import Operator, TruthTable
 
 pytestmark = need("mujoco", extra="sim")
@@ -70,6 +71,13 @@ def test_novel_goals_have_the_printed_lengths_and_are_reached(family: str, lengt
 def test_the_other_variants_are_solved(family: str, index: int) -> None:
     start = DOMAIN.start(family, 1, index)
     assert home_truth.planned_and_run(DOMAIN, start, operators(), CONCEPTS, concept_value)
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_many_things_are_cleared_one_after_the_other_and_the_eraser_is_put_away_last(index: int) -> None:
+    """As many skills as a shortest plan has."""
+    start = DOMAIN.start("many", 0, index)
+    assert home_truth.planned_and_run(DOMAIN, start, operators(), CONCEPTS, concept_value, OneByOne()) == 31
 
 
 def test_the_robust_learner_learns_the_printed_operators_too() -> None:

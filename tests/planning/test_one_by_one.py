@@ -68,6 +68,19 @@ def test_a_goal_that_the_way_to_another_undoes_is_reached_again_and_endless_turn
     assert OneByOne(least_steps=1)(switched).status == PlanStatus.BUDGET
 
 
+def test_a_tool_is_put_away_after_what_it_is_needed_for_though_that_is_nearer() -> None:
+    """Facts: 0 the tool is in the hand, 1 it is away, 2 the hand is at the board, 3 the board is wiped."""
+    pre, add, delete = (0b0001, 0b0010, 0b0000, 0b0101), (0b0010, 0b0001, 0b0100, 0b1000), (0b0001, 0b0010, 0, 0)
+    found = OneByOne(least_steps=1)(Strips(4, pre, add, delete, 0b0001, 0b1010))
+    assert found.status == PlanStatus.SOLVED and found.plan == (2, 3, 0)
+
+
+def test_goals_that_each_have_to_be_undone_for_the_other_are_tried_all_the_same() -> None:
+    """Facts: 0 and 1 are two doors, 2 is the only key: opening a door takes it, closing the door gives it back."""
+    pre, add, delete = (0b100, 0b100, 0b001, 0b010), (0b001, 0b010, 0b100, 0b100), (0b100, 0b100, 0b001, 0b010)
+    assert OneByOne(least_steps=1)(Strips(3, pre, add, delete, 0b100, 0b011)).status == PlanStatus.BUDGET
+
+
 @pytest.mark.parametrize("name", ["stacks-test6", "combo-test1"])
 def test_published_problems_have_valid_plans(name: str) -> None:
     path = DATA / f"{name}.pddl"

@@ -39,7 +39,8 @@ class OneByOne:
 
     For tasks whose relaxed plan has ``least_steps`` and more, for which A* alone has too few nodes. The goal whose
     relaxed plan is shortest comes next, one that the way to another has undone included, up to twice as many times as
-    there are goals. Each search gets ``each`` nodes, or fewer where nodes times operators would be more than
+    there are goals; but one that would have to be undone for another goal comes after that: the eraser is put away when
+    all is wiped. Each search gets ``each`` nodes, or fewer where nodes times operators would be more than
     ``visits``; states that are alike up to names of interchangeable objects are looked at once after
     ``symmetries_after`` nodes.
     """
@@ -60,19 +61,43 @@ class OneByOne:
         near = {1 << fact: FF(replace(task, goal=1 << fact)) for fact in bits(task.goal)}
         state, nodes = task.initial, 1
         plan: list[int] = []
+        waits_for: dict[int, int] = {}
         for _ in range(2 * len(near) if estimate >= self.least_steps else 0):
             if task.is_goal(state):
                 break
-            goal = min((g for g in near if g & ~state), key=lambda g: (near[g](state) or 0, g))
-            found = self._plan(replace(task, initial=state, goal=goal), everything)
-            nodes += found.nodes
-            if found.status != PlanStatus.SOLVED:
+            missing = task.goal & ~state
+            ordered = sorted((g for g in near if g & missing), key=lambda g: (near[g](state) or 0, g))
+            found, spent = self._next(task, state, ordered, waits_for, everything)
+            nodes += spent
+            if found is None:
                 break
             plan += found.plan
             state = _after(task, state, found.plan)
         if not task.is_goal(state):
             return SearchResult(PlanStatus.BUDGET, (), nodes)
         return SearchResult(PlanStatus.SOLVED, tuple(plan), nodes)
+
+    def _next(
+        self, task: Strips, state: int, goals: Sequence[int], waits_for: dict[int, int], everything: Heuristic
+    ) -> tuple[SearchResult | None, int]:
+        """The plan for the first goal that need not be undone for another one, and the nodes of all that were made.
+
+        What a goal waits for is remembered in ``waits_for``: it is not planned for again before that is reached. The
+        plan for the first goal serves where every one waits for others.
+        """
+        first, nodes = None, 0
+        missing = sum(goals)
+        for goal in [g for g in goals if not waits_for.get(g, 0) & missing] or goals[:1]:
+            found = self._plan(replace(task, initial=state, goal=goal), everything)
+            nodes += found.nodes
+            if found.status != PlanStatus.SOLVED:
+                break
+            after = _after(task, state, found.plan)
+            waits_for[goal] = missing & ~after & ~_reachable_with(task, after, goal)
+            if not waits_for[goal]:
+                return found, nodes
+            first = first or found
+        return first, nodes
 
     def _plan(self, part: Strips, everything: Heuristic) -> SearchResult:
         """A shortest plan for a part of the goals, if need be the shortest that bars no other goal."""
@@ -81,6 +106,23 @@ class OneByOne:
         if everything(_after(part, part.initial, found.plan)) is not None:
             return found
         return AStar(lambda task: _LeadingOn(task, everything), nodes // 4, self.symmetries_after)(part)
+
+
+def _reachable_with(task: Strips, state: int, kept: int) -> int:
+    """What can be reached from ``state`` by steps that do not undo ``kept``, if nothing else is ever deleted."""
+    reached = state
+    waiting = [(pre, add) for pre, add, gone in zip(task.pre, task.add, task.delete, strict=True) if not gone & kept]
+    grown = True
+    while grown:
+        still = []
+        for pre, add in waiting:
+            if pre & ~reached:
+                still.append((pre, add))
+            else:
+                reached |= add
+        grown = len(still) < len(waiting)
+        waiting = still
+    return reached
 
 
 def _after(task: Strips, state: int, plan: Sequence[int]) -> int:
