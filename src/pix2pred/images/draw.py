@@ -40,7 +40,9 @@ def draw_scene(view: View, decode: Decode = Image.pixels) -> Pixels:
     crop = view.crop or Box(0, 0, source.width, source.height)
     factor = scale_to(crop.width, crop.height, view.longest_side)
     size = (max(1, round(crop.width * factor)), max(1, round(crop.height * factor)))
-    shown = source.resize(size, PILImage.Resampling.LANCZOS, box=(crop.left, crop.top, crop.right, crop.bottom))
+    box = (crop.left, crop.top, crop.right, crop.bottom)
+    as_it_is = (*source.size, box) == (*size, (0, 0, *size))
+    shown = source if as_it_is else source.resize(size, PILImage.Resampling.LANCZOS, box=box)
     boxes = _visible_boxes(view, crop, factor) if view.marks else {}
     return np.asarray(_draw_marks(shown, boxes) if boxes else shown, dtype=np.uint8)
 
@@ -59,9 +61,10 @@ def _strip(text: str, width: int, height: int, font_size: int) -> Pixels:
     """Text in the largest type that fits, at most ``font_size``; what fits in none is cut and ends in dots."""
     strip = PILImage.new("RGB", (width, height), "white")
     draw, room, text = ImageDraw.Draw(strip), width - 2 * _MARGIN, text.replace("\n", " ")
-    sizes = range(font_size, LEAST_FONT_SIZE - 1, -1)
-    size = next((s for s in sizes if draw.textlength(text, _font(s)) <= room), LEAST_FONT_SIZE)
-    if draw.textlength(text, _font(size)) > room:
+    for size in range(font_size, LEAST_FONT_SIZE - 1, -1):
+        if draw.textlength(text, _font(size)) <= room:
+            break
+    else:
         lengths = [draw.textlength(f"{text[:n]}...", _font(size)) for n in range(len(text))]
         text = f"{text[: max(0, bisect(lengths, room) - 1)]}..."
     draw.text((_MARGIN, height / 2), text, font=_font(size), fill="black", anchor="lm")
@@ -90,8 +93,8 @@ def _visible_boxes(view: View, crop: Box, factor: float) -> dict[str, Box]:
 
 def _draw_marks(image: PILImage.Image, boxes: dict[str, Box]) -> PILImage.Image:
     """Write each object's name beside it."""
-    taller = PILImage.new("RGB", (image.width, image.height + FOOT_HEIGHT), "white")
-    taller.paste(image, (0, 0))
+    taller = image.crop((0, 0, image.width, image.height + FOOT_HEIGHT))
+    taller.paste("white", (0, image.height, *taller.size))
     blending = ImageDraw.Draw(taller, "RGBA")
     labels = {name: _label(name) for name in boxes}
     sizes = {name: (label.width - 1, label.height - 1) for name, label in labels.items()}

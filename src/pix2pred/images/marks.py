@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from pix2pred.structs import Box
 
@@ -63,7 +64,7 @@ def place_names(
     return placed
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True)
 class _Placing:
     """Finding a place for one name."""
 
@@ -73,64 +74,75 @@ class _Placing:
     placed: Sequence[Mark]
 
     def best(self, label: tuple[float, float], size: tuple[int, int]) -> Mark:
-        end = _visible_point(self.box, self.others)
         best, least = None, (math.inf, math.inf)
         for spots in (_beside(self.box, *label, size), *(_around(self.box, *label, size, ring) for ring in _RINGS)):
             for spot in spots:
                 names = sum(_overlap(spot, m.spot) for m in self.placed)
                 if names > least[0]:
                     continue
-                mark = Mark(self.name, spot, self._line(spot, end))
-                cost = (names, self._cost(mark, least[1] if names == least[0] else math.inf))
-                if cost < least:
-                    best, least = mark, cost
-                if cost == (0, 0):
+                limit = least[1] if names == least[0] else math.inf
+                if (hidden := self._hidden(spot, limit)) >= limit:
+                    continue
+                mark = Mark(self.name, spot, self._line(spot))
+                if (cost := self._cost(hidden, mark)) < limit:
+                    best, least = mark, (names, cost)
+                if least == (0, 0):
                     return mark
             if least[0] == 0 and least[1] <= _GOOD:
                 break
         assert best is not None, "there are always places beside an object"
         return best
 
-    def _line(self, spot: Box, end: Point) -> tuple[Point, Point] | None:
+    @cached_property
+    def _end(self) -> Point:
+        """The point of a grid on the object that the fewest others cover, as near to its lower middle as can be."""
+        box, on_it = self.box, [o for o in self.others if _overlap(o, self.box)]
+        ideal = (box.left + _LOWER_MIDDLE[0] * box.width, box.top + _LOWER_MIDDLE[1] * box.height)
+        grid = _GRID if min(box.width, box.height) >= _TINY else _RIM
+        points = [(box.left + x * box.width, box.top + y * box.height) for y in grid for x in grid]
+        points.sort(key=lambda p: math.dist(p, ideal))
+        for point in points:
+            if not any(_holds(o, point) for o in on_it):
+                return point
+        return min(points, key=lambda p: sum(_holds(o, p) for o in on_it))
+
+    def _line(self, spot: Box) -> tuple[Point, Point] | None:
         """No line is needed right below or above the object, or on it when it is large.
 
         Below a table the name would stand on the floor and name that: what is large and wide needs a line from there.
         """
-        large = self.box.height > _LARGE * spot.height
-        gap = min(abs(spot.top - self.box.bottom), abs(spot.bottom - self.box.top))
-        under = abs(spot.center[0] - self.box.center[0]) < self.box.width / 2 and gap < _RIGHT_BESIDE
-        on_it = large and _distance(spot, self.box) == 0
-        if on_it or (under and not (large and self.box.width > self.box.height)):
+        box, (x, _) = self.box, spot.center
+        large = box.height > _LARGE * spot.height
+        if large and _distance(spot.center, box) == 0:
             return None
+        gap = min(abs(spot.top - box.bottom), abs(spot.bottom - box.top))
+        under = gap < _RIGHT_BESIDE and abs(x - box.center[0]) < box.width / 2
+        if under and not (large and box.width > box.height):
+            return None
+        end = self._end
         return (min(max(end[0], spot.left), spot.right), min(max(end[1], spot.top), spot.bottom)), end
 
-    def _cost(self, mark: Mark, limit: float) -> float:
-        """What the name hides, in pixels, and what its line crosses.
+    def _hidden(self, spot: Box, limit: float) -> float:
+        """What a name hides, in pixels, and for how many objects it could be taken; any number from ``limit`` on."""
+        center = spot.center
+        own = _distance(center, self.box)
+        cost = 0.0
+        for other in self.others:
+            cost += _overlap(spot, other) + _MISTAKEN * (own > 0 and _distance(center, other) < own)
+            if cost >= limit:
+                return cost
+        return cost + _OWN_OBJECT * _overlap(spot, self.box) / max(1.0, self.box.width * self.box.height)
 
-        A place that costs ``limit`` is not taken: its cost is not told to the end, and may be any larger number.
-        """
-        spot, own = mark.spot, _distance(mark.spot, self.box)
-        cost = sum(_overlap(spot, o) + _MISTAKEN * (_distance(spot, o) < own) for o in self.others)
-        cost += _OWN_OBJECT * _overlap(spot, self.box) / max(1.0, self.box.width * self.box.height)
-        if cost >= limit:
-            return math.inf
-        cost += sum(_CROSSED_NAME for m in self.placed if m.line and _crosses(m.line, spot))
-        if mark.line and cost < limit:
+    def _cost(self, hidden: float, mark: Mark) -> float:
+        """What is ``hidden``, and what the name and its line cross; in pixels."""
+        cost = hidden + sum(_CROSSED_NAME for m in self.placed if m.line and _crosses(m.line, mark.spot))
+        if mark.line:
             start, end = mark.line
             cost += math.dist(start, end)
             cost += sum(_CROSSED_NAME for m in self.placed if _crosses(mark.line, m.spot))
             cost += sum(_CROSSED_LINE for m in self.placed if m.line and _meet(mark.line, m.line))
             cost += sum(_CROSSED_OBJECT for o in self.others if not _holds(o, end) and _crosses(mark.line, o))
         return cost
-
-
-def _visible_point(box: Box, others: Sequence[Box]) -> Point:
-    """The point of a grid on the box that the fewest other boxes cover, as near to its lower middle as can be."""
-    ideal = (box.left + _LOWER_MIDDLE[0] * box.width, box.top + _LOWER_MIDDLE[1] * box.height)
-    on_it = [o for o in others if _overlap(o, box)]
-    grid = _GRID if min(box.width, box.height) >= _TINY else _RIM
-    points = [(box.left + x * box.width, box.top + y * box.height) for y in grid for x in grid]
-    return min(points, key=lambda p: (sum(_holds(o, p) for o in on_it), math.dist(p, ideal)))
 
 
 def _inside(left: float, top: float, width: float, height: float, size: tuple[int, int]) -> Box:
@@ -180,10 +192,12 @@ def _holds(box: Box, point: Point) -> bool:
     return box.left <= point[0] <= box.right and box.top <= point[1] <= box.bottom
 
 
-def _distance(spot: Box, box: Box) -> float:
-    """How far a name's centre is from a box; 0 inside it."""
-    x, y = spot.center
-    return math.hypot(max(box.left - x, 0.0, x - box.right), max(box.top - y, 0.0, y - box.bottom))
+def _distance(point: Point, box: Box) -> float:
+    """How far a point is from a box; 0 inside it."""
+    x, y = point
+    across = box.left - x if x < box.left else x - box.right if x > box.right else 0.0
+    along = box.top - y if y < box.top else y - box.bottom if y > box.bottom else 0.0
+    return math.hypot(across, along)
 
 
 def _crosses(line: tuple[Point, Point], box: Box) -> bool:

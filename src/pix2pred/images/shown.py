@@ -9,6 +9,7 @@ import json
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Generic, TypeVar
 
 from pix2pred.images.draw import draw_heading, draw_note, draw_scene
@@ -33,14 +34,20 @@ class ShownPictures:
         """The PNG file of the view."""
         shown = {name: value for name, value in view.canonical().items() if name not in ("heading", "state")}
         scene = self._packed.get(json.dumps(shown, sort_keys=True), lambda: self._scene(view))
-        above = [pack(draw_heading(view.heading, scene.width))] if view.heading else []
-        return png_file([*above, scene, *(pack(draw_note(row, scene.width)) for row in view.note_rows)])
+        above = [_packed(draw_heading, view.heading, scene.width)] if view.heading else []
+        return png_file([*above, scene, *(_packed(draw_note, row, scene.width) for row in view.note_rows)])
 
     def _scene(self, view: View) -> Strip:
         return view.picture.image.alone(lambda: pack(draw_scene(view, decode=self._decode)))
 
     def _decode(self, image: Image) -> Pixels:
         return self._decoded.get(image.digest, image.pixels)
+
+
+@lru_cache(maxsize=1024)
+def _packed(draw: Callable[[str, int], Pixels], text: str, width: int) -> Strip:
+    """A strip of text: the same headings stand above many pictures."""
+    return pack(draw(text, width))
 
 
 class _Latest(Generic[Kept]):

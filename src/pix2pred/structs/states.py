@@ -126,6 +126,8 @@ class Image:
     def pixels(self) -> Pixels:
         """Decode, upright. Raises ``PictureError`` for what is not a PNG or JPEG picture of a sane size."""
         pixels = self.alone(self._decoded)
+        if isinstance(self._source, bytes):
+            return pixels
         if self.__dict__.setdefault("digest", digest := _digest(pixels)) != digest:
             raise PictureError(f"{self._source!s:.200}: changed while it was being used; run the command again")
         return pixels
@@ -204,7 +206,7 @@ class Image:
     def digest(self) -> str:
         """SHA-256 of shape and decoded pixels: the same whatever compressed the file."""
         if "digest" not in self.__dict__:  # no cached property: one lock for all pictures, in Python 3.11
-            self.pixels()
+            self.__dict__.setdefault("digest", _digest(self.pixels()))
         return str(self.__dict__["digest"])
 
     def __eq__(self, other: object) -> bool:

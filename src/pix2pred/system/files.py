@@ -8,6 +8,7 @@ import re
 import stat
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 _TEMPORARY = re.compile(r"^\..+\.(\d{1,9})\.\d+\.part$")
@@ -54,20 +55,20 @@ def _temporary(path: Path) -> Path:
 
 def refuse_irregular(path: Path) -> None:
     """Raise ``OSError`` when there is something at ``path`` that is no regular file: a link, a folder, a pipe."""
-    try:
-        mode = path.lstat().st_mode
-    except FileNotFoundError:
-        return
-    if not stat.S_ISREG(mode):
-        kind = next((word for is_kind, word in _KINDS.items() if is_kind(mode)), "a device")
-        raise OSError(errno.EINVAL, f"is {kind}, where a plain file belongs; remove it", str(path))
+    with suppress(FileNotFoundError):
+        _check_regular(path, path.lstat().st_mode)
 
 
 def read_regular(path: Path) -> bytes:
     """The content of the file at ``path``, reached through links too. Raises ``OSError`` for pipes and devices."""
-    if path.exists():
-        refuse_irregular(path.resolve())
+    _check_regular(path, path.stat().st_mode)
     return path.read_bytes()
+
+
+def _check_regular(path: Path, mode: int) -> None:
+    if not stat.S_ISREG(mode):
+        kind = next((word for is_kind, word in _KINDS.items() if is_kind(mode)), "a device")
+        raise OSError(errno.EINVAL, f"is {kind}, where a plain file belongs; remove it", str(path))
 
 
 def remove_abandoned(folder: Path) -> None:

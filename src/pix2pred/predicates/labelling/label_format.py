@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from pix2pred.predicates.labelling.parse_labels import ParsedLabels, parse_labels
@@ -22,11 +22,14 @@ class LabelFormat:
     def read(self, answer: str, queried: Sequence[str]) -> ParsedLabels:
         """The values in ``answer``, as lines of words or, where these give none, in the first other form that does."""
         plain = without_markup(answer)
-        forms = [plain, as_text(plain), as_lines(plain, queried)]
-        for form in forms[1:] if self.structured else forms:
-            if (parsed := parse_labels(form, queried)).values:
-                return parsed
-        return parse_labels(plain, queried)
+        readings = (parse_labels(form, queried) for form in self._forms(plain, queried))
+        return next((parsed for parsed in readings if parsed.values), None) or parse_labels(plain, queried)
+
+    def _forms(self, plain: str, queried: Sequence[str]) -> Iterator[str]:
+        if not self.structured:
+            yield plain
+        yield as_text(plain)
+        yield as_lines(plain, queried)
 
     def schema(self, queried: Sequence[str]) -> str:
         return schema(queried) if self.structured else ""
