@@ -17,9 +17,10 @@ from pix2pred.predicates import (
 )
 from pix2pred.predicates.frugal.definitions import Definition, read_definition
 from pix2pred.predicates.frugal.histories import HistoryFormat
-from pix2pred.predicates.frugal.proposing import lift_words, new_kinds, propose_words, read_words
+from pix2pred.predicates.frugal.proposing import new_kinds, propose_words, read_words
 from pix2pred.predicates.labelling.asking import Occurrence
 from pix2pred.predicates.prompt import kind_lines, meaning_lines
+from pix2pred.predicates.proposing.lift import lift
 from pix2pred.structs import Action, Demo, FromVLM, Label, Object, Predicate, Skill, Type
 from pix2pred.vlm import Purpose, Request, Together
 from pix2pred.vlm.offline.prompt_format import defined_words, previous_values
@@ -47,7 +48,7 @@ def test_a_proposal_gives_words_meanings_and_what_never_changes() -> None:
         "The patty is brown, also while it is held.", True, ("grilled", "browned"), ("raw",)
     )
     assert [r.text for r in proposal.rejected] == ["flies(bird)"]
-    assert [(c.predicate.name, c.predicate.source, c.predicate.description) for c in lift_words([proposal])] == [
+    assert [(c.predicate.name, c.predicate.source, c.predicate.description) for c in lift([proposal])] == [
         ("cooked0", FromVLM("cooked", ("grilled", "browned"), ("raw",)), "The patty is brown, also while it is held."),
         ("meaty0", FromVLM("meaty", changes=False), "It is made of meat."),
     ]
@@ -84,7 +85,7 @@ def test_a_later_question_tells_the_words_so_far_and_only_new_kinds_are_asked_ab
     assert defined_words(second.text) == {("cooked", ("patty",)), ("meaty", ("patty",))}, "readers see them, too"
     assert [view.heading for view in second.views] == ["state 0, camera main", "state 1 after skill 0, camera main"]
     assert "- Wipe(patty): Wipes it." in second.text
-    assert {c.predicate.name for c in lift_words(proposals)} == {"cooked0", "meaty0", "wiped0"}
+    assert {c.predicate.name for c in lift(proposals)} == {"cooked0", "meaty0", "wiped0"}
 
 
 @pytest.mark.parametrize("meaning", ["...", "(…)", "<meaning>", "Same as above.", "see above", "TBD", "n/a"])
@@ -94,7 +95,7 @@ def test_a_placeholder_is_no_meaning(meaning: str) -> None:
     assert not only.accepted and [r.reason for r in only.rejected] == ["its meaning is a placeholder"]
     both = read_words(demo(), f"{line}\n* cooked(patty2) | CHANGES | Brown.", ProposalSettings())
     assert [o.prompt_name for a in both.accepted for o in a.objects] == ["patty2", "patty1"]
-    assert [c.predicate.description for c in lift_words([both])] == ["Brown."]
+    assert [c.predicate.description for c in lift([both])] == ["Brown."]
 
 
 def test_an_answer_of_placeholders_alone_is_asked_for_again() -> None:

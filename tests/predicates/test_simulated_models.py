@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import pytest
 
 from pix2pred.predicates import LabelProtocol, LabelSettings, ProposalSettings, StateLabels, ground_atoms, labeller_for
-from pix2pred.predicates.frugal.proposing import lift_words, propose_words
+from pix2pred.predicates.frugal.proposing import propose_words
+from pix2pred.predicates.proposing.lift import lift
 from pix2pred.structs import FromVLM, Predicate
 from pix2pred.structs.views import View
 from pix2pred.vlm import VLM
@@ -59,7 +60,7 @@ def test_missing_and_malformed_lines_are_asked_for_and_named() -> None:
 
 def test_the_oracle_defines_each_meaning_once() -> None:
     proposals = propose_words([demo()], NoisyOracle(WORDS, truth), ProposalSettings())
-    pool = lift_words(proposals)
+    pool = lift(proposals)
     assert [c.predicate.name for c in pool] == ["busy0", "cooked0"]
     assert pool[1].predicate.types == (PATTY,)
     assert pool[1].predicate.source == FromVLM("cooked", ("grilled",), ("raw",))

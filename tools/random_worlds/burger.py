@@ -9,7 +9,7 @@ import numpy as np
 
 from pix2pred.domains.burger.scenes import ROBOT_NAME
 from pix2pred.domains.burger.world import EDGE_CELLS, SIZE, BurgerWorld, Cell, Heading, Thing
-from pix2pred.domains.seeds import Split, scene_generator
+from pix2pred.domains.seeds import worlds_of_looks
 
 _ITEM_KINDS = ("patty", "lettuce", "cheese", "bottom_bun", "top_bun")
 _STACKED = 0.5
@@ -62,9 +62,4 @@ def _robot_pose(rng: np.random.Generator, stacks: Sequence[Sequence[Thing]]) -> 
 
 def random_worlds(seed: int, looks: int, per_look: int) -> list[BurgerWorld]:
     """``looks`` differently drawn scenes with ``per_look`` arrangements each, apart from demonstrations and tasks."""
-    rng = scene_generator(seed, Split.READER)
-    worlds: list[BurgerWorld] = []
-    for _ in range(looks):
-        look = int(rng.integers(2**31))
-        worlds.extend(random_world(rng, look) for _ in range(per_look))
-    return worlds
+    return worlds_of_looks(random_world, seed, looks, per_look)

@@ -27,7 +27,7 @@ from pix2pred.domains.coffee.simulation.geometry import (
     Point,
 )
 from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Gripper
-from pix2pred.domains.seeds import Split, scene_generator
+from pix2pred.domains.seeds import worlds_of_looks
 
 MOST_CUPS = 6
 _PERTURBED = 0.4
@@ -91,9 +91,4 @@ def _perturbed(world: CoffeeWorld, rng: np.random.Generator) -> CoffeeWorld:
 
 def random_worlds(seed: int, looks: int, per_look: int) -> list[CoffeeWorld]:
     """``looks`` differently drawn scenes with ``per_look`` arrangements each, apart from demonstrations and tasks."""
-    rng = scene_generator(seed, Split.READER)
-    worlds: list[CoffeeWorld] = []
-    for _ in range(looks):
-        look = int(rng.integers(2**31))
-        worlds.extend(random_world(rng, look) for _ in range(per_look))
-    return worlds
+    return worlds_of_looks(random_world, seed, looks, per_look)

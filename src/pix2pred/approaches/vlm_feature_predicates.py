@@ -32,7 +32,6 @@ from pix2pred.structs import (
     Predicate,
     State,
     Task,
-    Type,
     Vocabulary,
 )
 from pix2pred.structs.environment import Environment
@@ -148,7 +147,7 @@ def with_values(
     """``states`` with the atoms of ``predicate`` that its code finds true. Raises ``CodeError``."""
     atoms = ground_atoms([predicate], objects)
     queries = [(number, atom.objects) for number in range(len(states)) for atom in atoms]
-    types = _type_names(t for o in objects for t in [o.type])
+    types = sorted({kind.name for o in objects for kind in o.type.lineage})
     values = run_classifier(code.source, code.function, types, [s.features for s in states], queries, limits)
     true: list[set[Atom]] = [set() for _ in states]
     for (number, args), value in zip(queries, values, strict=True):
@@ -199,16 +198,6 @@ def _trajectory(demo: Demo) -> Iterable[str]:
             yield f"  {thing.prompt_name}: {pairs}"
         if t < len(demo.actions):
             yield f"skill: {action_text(demo.actions[t])}"
-
-
-def _type_names(types: Iterable[Type]) -> list[str]:
-    names: dict[str, None] = {}
-    for kind in types:
-        node: Type | None = kind
-        while node is not None:
-            names[node.name] = None
-            node = node.parent
-    return sorted(names)
 
 
 def _free_name(name: str, taken: set[str]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from importlib.resources import files
@@ -26,6 +26,10 @@ class ClaimVerdict(StrEnum):
     NOT_RUN = "not run"
 
 
+Checked = tuple[ClaimVerdict, str]
+"""What a family says about a claim, and the figures."""
+
+
 class _Claim(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -40,11 +44,20 @@ class _Pair(_Claim):
     better: str
     worse: str
 
+    def figures(self, run: Run, family: str) -> tuple[float, float, str]:
+        """Both means, and what is said of them. Raises ``_NotMeasuredError``."""
+        better, worse = _measured([cell_of(run.rows, name, family) for name in (self.better, self.worse)])
+        return better.mean, worse.mean, f"{better.text} against {worse.text}"
+
 
 class Above(_Pair):
     """The better one's mean is strictly larger."""
 
     kind: Literal["above"]
+
+    def check(self, run: Run, family: str) -> Checked:
+        better, worse, text = self.figures(run, family)
+        return _verdict(better > worse), text
 
 
 class Comparable(_Pair):
@@ -53,9 +66,21 @@ class Comparable(_Pair):
     kind: Literal["comparable"]
     margin: float
 
+    def check(self, run: Run, family: str) -> Checked:
+        better, worse, text = self.figures(run, family)
+        return _verdict(abs(better - worse) <= self.margin), text
+
 
 class _Single(_Claim):
     approach: str
+
+    def learned(self, run: Run, family: str) -> list[dict[str, Any]]:
+        """What the approach learned, by seed. Raises ``_NotMeasuredError`` for none."""
+        places = [f"{family}/seed{seed}/{self.approach}" for seed in run.suite.seeds]
+        found = [run.learned[p] for p in places if "selected" in run.learned.get(p, {})]
+        if not found:
+            raise _NotMeasuredError(ClaimVerdict.NOT_RUN)
+        return found
 
 
 class NearZero(_Single):
@@ -64,11 +89,23 @@ class NearZero(_Single):
     kind: Literal["near-zero"]
     bound: float
 
+    def check(self, run: Run, family: str) -> Checked:
+        (found,) = _measured([cell_of(run.rows, self.approach, family)])
+        return _verdict(found.mean <= self.bound), found.text
+
 
 class NoneOfSecondHalf(_Single):
     """No task of the second half of a seed's tasks is solved."""
 
     kind: Literal["none-of-second-half"]
+
+    def check(self, run: Run, family: str) -> Checked:
+        half: list[Row] = []
+        for seed in run.suite.seeds:
+            rows = [r for r in run.rows if (r.approach, r.family, r.seed) == (self.approach, family, seed)]
+            half += rows[(len(rows) + 1) // 2 :] if len(rows) > 1 else rows
+        (found,) = _measured([cell(half)])
+        return _verdict(found.solved == 0), f"{found.solved} of {found.tries}"
 
 
 class PoolSize(_Single):
@@ -77,12 +114,25 @@ class PoolSize(_Single):
     kind: Literal["pool-size"]
     bound: int
 
+    def check(self, run: Run, family: str) -> Checked:
+        sizes = [learned["candidates"] for learned in self.learned(run, family)]
+        return _verdict(max(sizes) >= self.bound), f"{min(sizes)} to {max(sizes)} candidates"
+
 
 class SetSize(_Single):
     """So many visual and feature predicates are selected in most seeds."""
 
     kind: Literal["set-size"]
     sizes: dict[str, dict[str, int]]
+
+    def check(self, run: Run, family: str) -> Checked:
+        learned = self.learned(run, family)
+        if family not in self.sizes:
+            return ClaimVerdict.NOT_RUN, ""
+        found = Counter((one["visual"], len(one["selected"]) - one["visual"]) for one in learned)
+        wanted = (self.sizes[family]["visual"], self.sizes[family]["feature"])
+        text = "; ".join(f"{v} visual and {f} feature ({n}x)" for (v, f), n in sorted(found.items()))
+        return _verdict(2 * found[wanted] > found.total()), text
 
 
 class MainCause(_Single):
@@ -91,10 +141,33 @@ class MainCause(_Single):
     kind: Literal["main-cause"]
     cause: str
 
+    def check(self, run: Run, family: str) -> Checked:
+        (found,) = _measured([cell_of(run.rows, self.approach, family)])
+        if not found.failures:
+            return ClaimVerdict.NOT_RUN, "no failures"
+        text = ", ".join(f"{cause} {n}" for cause, n in found.failures.most_common())
+        return _verdict(2 * found.failures[self.cause] > found.failures.total()), text
+
 
 Claim = Annotated[
     Above | Comparable | NearZero | NoneOfSecondHalf | PoolSize | SetSize | MainCause, Field(discriminator="kind")
 ]
+
+
+class _NotMeasuredError(Exception):
+    """There is no try to judge by; ``verdict`` says why."""
+
+    def __init__(self, verdict: ClaimVerdict) -> None:
+        super().__init__(verdict)
+        self.verdict = verdict
+
+
+def _measured(found: Sequence[TableCell | TryOutcome | None]) -> list[TableCell]:
+    """Cells with tries. Raises ``_NotMeasuredError`` when one has none."""
+    missing = [_missing(c) for c in found if not isinstance(c, TableCell)]
+    if missing:
+        raise _NotMeasuredError(ClaimVerdict.NOT_RUN if ClaimVerdict.NOT_RUN in missing else ClaimVerdict.NEEDS_MODEL)
+    return [c for c in found if isinstance(c, TableCell)]
 
 
 class Interim(BaseModel):
@@ -140,12 +213,12 @@ def load_claims() -> Published:
 class Judged:
     """A claim's verdict, and per family the verdict with its figures."""
 
-    claim: Any
+    claim: Claim
     verdict: ClaimVerdict
-    families: Mapping[str, tuple[ClaimVerdict, str]]
+    families: Mapping[str, Checked]
 
 
-def judge(claim: Any, run: Run) -> Judged:
+def judge(claim: Claim, run: Run) -> Judged:
     """What the run says about ``claim``, over the families that the claim and the suite share.
 
     A claim that names no family is about those of the suite's first group: the simulated ones of the published
@@ -153,12 +226,15 @@ def judge(claim: Any, run: Run) -> Judged:
     """
     wanted = claim.families or [f.name for f in run.suite.groups()[0]]
     names = [f.name for f in run.suite.families if f.name in wanted and f.name not in claim.excluded]
-    checks: dict[type, Callable[[Any, Run, str], tuple[ClaimVerdict, str]]] = {
-        Above: _above, Comparable: _comparable, NearZero: _near_zero, NoneOfSecondHalf: _second_half,
-        PoolSize: _pool_size, SetSize: _set_size, MainCause: _main_cause,
-    }  # fmt: skip
-    found = {name: checks[type(claim)](claim, run, name) for name in names}
+    found = {name: _checked(claim, run, name) for name in names}
     return Judged(claim, _overall([verdict for verdict, _ in found.values()]), found)
+
+
+def _checked(claim: Claim, run: Run, family: str) -> Checked:
+    try:
+        return claim.check(run, family)
+    except _NotMeasuredError as error:
+        return error.verdict, ""
 
 
 def judge_interim(interim: Interim, run: Run) -> list[tuple[str, str, ClaimVerdict, str]]:
@@ -192,80 +268,3 @@ def _missing(found: TableCell | TryOutcome | None) -> ClaimVerdict:
 
 def _verdict(holds: bool) -> ClaimVerdict:
     return ClaimVerdict.HOLDS if holds else ClaimVerdict.FAILS
-
-
-def _pair(claim: _Pair, run: Run, family: str) -> tuple[TableCell, TableCell] | ClaimVerdict:
-    cells = [cell_of(run.rows, name, family) for name in (claim.better, claim.worse)]
-    better, worse = cells
-    if isinstance(better, TableCell) and isinstance(worse, TableCell):
-        return better, worse
-    missing = [_missing(c) for c in cells if not isinstance(c, TableCell)]
-    return ClaimVerdict.NOT_RUN if ClaimVerdict.NOT_RUN in missing else ClaimVerdict.NEEDS_MODEL
-
-
-def _above(claim: Above, run: Run, family: str) -> tuple[ClaimVerdict, str]:
-    pair = _pair(claim, run, family)
-    if isinstance(pair, ClaimVerdict):
-        return pair, ""
-    better, worse = pair
-    return _verdict(better.mean > worse.mean), f"{better.text} against {worse.text}"
-
-
-def _comparable(claim: Comparable, run: Run, family: str) -> tuple[ClaimVerdict, str]:
-    pair = _pair(claim, run, family)
-    if isinstance(pair, ClaimVerdict):
-        return pair, ""
-    better, worse = pair
-    return _verdict(abs(better.mean - worse.mean) <= claim.margin), f"{better.text} against {worse.text}"
-
-
-def _near_zero(claim: NearZero, run: Run, family: str) -> tuple[ClaimVerdict, str]:
-    found = cell_of(run.rows, claim.approach, family)
-    if not isinstance(found, TableCell):
-        return _missing(found), ""
-    return _verdict(found.mean <= claim.bound), found.text
-
-
-def _second_half(claim: NoneOfSecondHalf, run: Run, family: str) -> tuple[ClaimVerdict, str]:
-    half: list[Row] = []
-    for seed in run.suite.seeds:
-        rows = [r for r in run.rows if (r.approach, r.family, r.seed) == (claim.approach, family, seed)]
-        half += rows[(len(rows) + 1) // 2 :] if len(rows) > 1 else rows
-    found = cell(half)
-    if not isinstance(found, TableCell):
-        return _missing(found), ""
-    return _verdict(found.solved == 0), f"{found.solved} of {found.tries}"
-
-
-def _learned(run: Run, approach: str, family: str) -> list[dict[str, Any]]:
-    places = [f"{family}/seed{seed}/{approach}" for seed in run.suite.seeds]
-    return [run.learned[p] for p in places if "selected" in run.learned.get(p, {})]
-
-
-def _pool_size(claim: PoolSize, run: Run, family: str) -> tuple[ClaimVerdict, str]:
-    sizes = [learned["candidates"] for learned in _learned(run, claim.approach, family)]
-    if not sizes:
-        return ClaimVerdict.NOT_RUN, ""
-    return _verdict(max(sizes) >= claim.bound), f"{min(sizes)} to {max(sizes)} candidates"
-
-
-def _set_size(claim: SetSize, run: Run, family: str) -> tuple[ClaimVerdict, str]:
-    found = Counter(
-        (learned["visual"], len(learned["selected"]) - learned["visual"])
-        for learned in _learned(run, claim.approach, family)
-    )
-    if not found or family not in claim.sizes:
-        return ClaimVerdict.NOT_RUN, ""
-    wanted = (claim.sizes[family]["visual"], claim.sizes[family]["feature"])
-    text = "; ".join(f"{v} visual and {f} feature ({n}x)" for (v, f), n in sorted(found.items()))
-    return _verdict(2 * found[wanted] > found.total()), text
-
-
-def _main_cause(claim: MainCause, run: Run, family: str) -> tuple[ClaimVerdict, str]:
-    found = cell_of(run.rows, claim.approach, family)
-    if not isinstance(found, TableCell):
-        return _missing(found), ""
-    if not found.failures:
-        return ClaimVerdict.NOT_RUN, "no failures"
-    text = ", ".join(f"{cause} {n}" for cause, n in found.failures.most_common())
-    return _verdict(2 * found.failures[claim.cause] > found.failures.total()), text

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import mean, stdev
 
 from pix2pred.benchmark.rows import Row, TryOutcome
-
-_Z = 1.959963984540054
-"""Two-sided 95 % quantile of the normal distribution."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,21 +20,19 @@ class Interval:
 
 def wilson(successes: int, tries: int) -> Interval:
     """The score interval of a share (Wilson, 1927): sensible at 0 and 1, where the sd over seeds is 0."""
-    if not 0 <= successes <= tries or tries == 0:
-        raise ValueError(f"{successes} of {tries} is no share")
-    share, z2 = successes / tries, _Z * _Z
-    centre = (share + z2 / (2 * tries)) / (1 + z2 / tries)
-    half = _Z * math.sqrt(share * (1 - share) / tries + z2 / (4 * tries * tries)) / (1 + z2 / tries)
-    return Interval(max(0.0, centre - half), min(1.0, centre + half))
+    from scipy.stats import binomtest  # takes half a second to import
+
+    if tries == 0:
+        raise ValueError("0 of 0 is no share")
+    found = binomtest(successes, tries).proportion_ci(method="wilson")
+    return Interval(float(found.low), float(found.high))
 
 
 def sign_test(wins: int, losses: int) -> float:
     """Two-sided p-value that ``wins`` and ``losses`` come from a fair coin (exact McNemar test of paired tries)."""
-    n, k = wins + losses, min(wins, losses)
-    if n == 0:
-        return 1.0
-    tail: int = sum(math.comb(n, i) for i in range(k + 1))
-    return min(1.0, 2 * tail / float(2**n))
+    from scipy.stats import binomtest
+
+    return float(binomtest(wins, wins + losses).pvalue) if wins + losses else 1.0
 
 
 @dataclass(frozen=True, slots=True)

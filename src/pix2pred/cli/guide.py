@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from pix2pred.cli.console import err, out, plain, say
-from pix2pred.demos import ENDINGS, FolderError, Photographed, Problem, read_photo
+from pix2pred.demos import ENDINGS, FolderError, Photographed, read_photo
 from pix2pred.execution import Guided, Missing, PlannedScene, SeenStep
 from pix2pred.execution.explaining.wording import in_words
 from pix2pred.images import nearly_same
@@ -75,7 +75,7 @@ class WatchedFolder:
 
     def __init__(self, folder: Path, session: SessionDoc) -> None:
         if not folder.is_dir():
-            raise FolderError([Problem(folder, None, "is not a folder; make it, and put the photos there")])
+            raise FolderError.about(folder, "is not a folder; make it, and put the photos there")
         self._folder = folder
         self._used = {entry.photo for entry in session.executed}
 

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from pix2pred.cli.console import bars, err, print_json
 from pix2pred.cli.ranges import POSITIVE, quoted
-from pix2pred.demos import FolderError, Problem
+from pix2pred.demos import FolderError
 from pix2pred.demos.authoring import (
     MAX_SIDE,
     DeclarationError,
@@ -130,7 +130,7 @@ def _write(directory: Path, drafts: Sequence[Draft], declared: Declarations, *, 
 
 def _photos(directory: Path, photos: Path, order: Order, max_side: int) -> tuple[Draft, ...]:
     if directory.resolve().is_relative_to(photos.resolve()):
-        raise FolderError([Problem(directory, None, f"lies among the photos of {photos}; choose another place")])
+        raise FolderError.about(directory, f"lies among the photos of {photos}; choose another place")
     return drafts_of_frames(photos, order=order, max_side=max_side)
 
 

@@ -149,7 +149,7 @@ def _tasks(
         Problem(s.simulator_path, None, "is missing; --plan-only plans without") for s in stored if not s.simulator
     ]
     if not stored:
-        raise FolderError([Problem(directory / "tasks", None, "holds no task")])
+        raise FolderError.about(directory / "tasks", "holds no task")
     if lacking and not plan_only:
         raise FolderError(lacking)
     return [SimulatedTask(s.task, s.simulator or {}) for s in stored], directory.resolve().name

@@ -54,10 +54,7 @@ def resolve_objects(
     spelled: dict[str, str] = {}
     for name, doc in docs.items():
         if (other := spelled.setdefault(name.casefold(), name)) != name:
-            message = (
-                f"object {name!r} differs from {other!r} in capitals alone, and PDDL takes both for one: rename it"
-            )
-            sheet.report(("objects", name), message)
+            sheet.report(("objects", name), _NEARLY.format("object", repr(name), repr(other)))
         if doc.type in types and doc.type not in broken:
             objects[name] = Object(name, types[doc.type], doc.descriptor or name)
             continue
@@ -119,9 +116,6 @@ class _Builder:
             except ValueError as error:
                 self.sheet.report((*loc, "low"), str(error))
                 self.broken.add(doc.name)
-                continue
-            if any(bound != bound for bound in (*doc.low, *doc.high)):
-                self.sheet.report((*loc, "low"), f"skill {doc.name}: a bound is not a number")
         return tuple(self.skill_table.values())
 
     def predicates(self, docs: Sequence[PredicateDoc]) -> tuple[Predicate, ...]:

@@ -40,7 +40,5 @@ def join_projects(folders: Sequence[Path], projects: Sequence[Project]) -> Proje
     ]
     twice = [name for name, count in Counter(demo.name for demo in demos).items() if count > 1]
     if twice:
-        raise FolderError(
-            [Problem(folders[-1], None, f"two demonstrations are called {twice[0]!r}; rename one folder")]
-        )
+        raise FolderError.about(folders[-1], f"two demonstrations are called {twice[0]!r}; rename one folder")
     return replace(first, demos=tuple(demos))

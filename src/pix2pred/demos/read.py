@@ -77,17 +77,17 @@ def read_tasks(directory: Path, vocabulary: Vocabulary) -> tuple[StoredTask, ...
     Raises ``FolderError`` with every problem found.
     """
     found: list[Problem] = []
-    tasks = collect_tasks(directory, _declared_for_tasks(directory, vocabulary, found), found)
+    if not is_folder(directory):
+        found.append(Problem(directory, None, "is not a folder"))
+    tasks = collect_tasks(directory, declared_for_tasks(directory, vocabulary, found), found)
     if found:
         raise FolderError(in_reading_order(found))
     return tasks
 
 
-def _declared_for_tasks(directory: Path, vocabulary: Vocabulary, found: list[Problem]) -> Declared:
-    """``vocabulary`` with the objects of ``domain.yaml``, where there is one."""
-    if not is_folder(directory):
-        found.append(Problem(directory, None, "is not a folder"))
-    elif refusal(directory / DOMAIN, directory) != MISSING and (
+def declared_for_tasks(directory: Path, vocabulary: Vocabulary, found: list[Problem]) -> Declared:
+    """``vocabulary`` with the objects of ``domain.yaml``, where there is one; problems go to ``found``."""
+    if refusal(directory / DOMAIN, directory) != MISSING and (
         loaded := load_document(directory / DOMAIN, directory, DomainDoc, found)
     ):
         types = {t.name: t for t in vocabulary.types}

@@ -14,13 +14,13 @@ from typing import Any
 from pydantic import ValidationError
 
 from pix2pred.demos.authoring.photos import clean_copy
-from pix2pred.demos.declared import Declared, resolve_objects
-from pix2pred.demos.files.documents import DomainDoc, Sheet, StateDoc, load_document
-from pix2pred.demos.files.folders import DOMAIN, MISSING, TASKS, refusal
+from pix2pred.demos.declared import Declared
+from pix2pred.demos.files.documents import Sheet, StateDoc
+from pix2pred.demos.files.folders import TASKS
 from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.files.yaml_lines import LinedData, YamlError, parse_yaml
 from pix2pred.demos.pictures import ENDINGS
-from pix2pred.demos.read import StoredTask, read_one_task
+from pix2pred.demos.read import StoredTask, declared_for_tasks, read_one_task
 from pix2pred.demos.scenes import SceneReader
 from pix2pred.structs import Image, Picture, PictureError, State, Task, Vocabulary
 
@@ -43,13 +43,7 @@ def read_task(folder: Path, vocabulary: Vocabulary) -> StoredTask:
     found: list[Problem] = []
     folder = folder.absolute()
     project = folder.parent.parent if folder.parent.name == TASKS else folder
-    declared = Declared(vocabulary, {})
-    if refusal(project / DOMAIN, project) != MISSING and (
-        loaded := load_document(project / DOMAIN, project, DomainDoc, found)
-    ):
-        broken: set[str] = set()
-        objects = resolve_objects(loaded[0], loaded[1].objects, {t.name: t for t in vocabulary.types}, broken)
-        declared = Declared(vocabulary, objects, frozenset(broken))
+    declared = declared_for_tasks(project, vocabulary, found)
     task = read_one_task(folder, folder, declared, found, warned=[])
     if task is not None and not task.task.initial.pictures:
         found.append(Problem(folder / "images" / "0", None, "holds no photo (PNG or JPEG) of the scene"))
@@ -95,7 +89,7 @@ def state_from_doc(data: Any, images: Path, task: Task, vocabulary: Vocabulary) 
         doc = StateDoc.model_validate(data)
         state = _scene(sheet, task, vocabulary).state((), doc, images)
     except ValidationError as error:
-        raise FolderError([Problem(images, None, f"what was kept of this state is damaged ({error})")]) from error
+        raise FolderError.about(images, f"what was kept of this state is damaged ({error})") from error
     if found:
         raise FolderError(found)
     return state
@@ -117,14 +111,15 @@ def _files(path: Path, cameras: list[str]) -> tuple[dict[str, Path], Path | None
                 what = (
                     f"holds {'no' if not there else 'more than one'} photo of camera {camera!r} ({camera}.png or .jpg)"
                 )
-                raise FolderError([Problem(path, None, what)])
+                raise FolderError.about(path, what)
             files[camera] = there[0]
         beside = path / STATE
     elif len(cameras) > 1:
-        what = f"the task has the cameras {', '.join(cameras)}; give a folder with a photo of each, named after it"
-        raise FolderError([Problem(path, None, what)])
+        raise FolderError.about(
+            path, f"the task has the cameras {', '.join(cameras)}; give a folder with a photo of each, named after it"
+        )
     elif not path.is_file():
-        raise FolderError([Problem(path, None, "does not exist")])
+        raise FolderError.about(path, "does not exist")
     else:
         files, beside = {cameras[0]: path}, path.with_suffix(".yaml")
     return files, beside if beside.is_file() else None

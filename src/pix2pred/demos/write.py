@@ -9,7 +9,7 @@ from typing import Any
 
 from pix2pred.demos.files.documents import VERSION, DemoDoc, DomainDoc, TaskDoc
 from pix2pred.demos.files.folders import DEMO, DEMOS, DOMAIN, FOLDER_NAME, IMAGES, SIMULATOR, TASK, TASKS, natural
-from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.problems import FolderError
 from pix2pred.demos.files.staging import blamed, move_in, staged
 from pix2pred.demos.files.yaml_lines import YamlError, parse_yaml
 from pix2pred.demos.files.yaml_text import dump_yaml
@@ -67,7 +67,7 @@ def write_task(directory: Path, vocabulary: Vocabulary, task: SimulatedTask, *, 
     _refuse_names(directory, "task", [name])
     target = directory / TASKS / name
     if target.exists() and not overwrite:
-        raise FolderError([Problem(target, None, "exists already; choose another name, or ask to overwrite it")])
+        raise FolderError.about(target, "exists already; choose another name, or ask to overwrite it")
     with staged(directory) as stage:
         _write_task(stage / TASKS / name, task)
         with blamed(stage, directory):
@@ -78,13 +78,13 @@ def write_task(directory: Path, vocabulary: Vocabulary, task: SimulatedTask, *, 
 
 def _refuse_occupied(directory: Path, *, overwrite: bool) -> None:
     if directory.exists() and not directory.is_dir():
-        raise FolderError([Problem(directory, None, "is a file; choose a folder")])
+        raise FolderError.about(directory, "is a file; choose a folder")
     if not directory.is_dir() or not any(directory.iterdir()):
         return
     if not _is_project(directory):
-        raise FolderError([Problem(directory, None, "holds other files and is no project; choose another folder")])
+        raise FolderError.about(directory, "holds other files and is no project; choose another folder")
     if not overwrite:
-        raise FolderError([Problem(directory, None, "holds a project already; ask to overwrite it")])
+        raise FolderError.about(directory, "holds a project already; ask to overwrite it")
 
 
 def _is_project(directory: Path) -> bool:
@@ -99,10 +99,11 @@ def _refuse_names(directory: Path, kind: str, names: Sequence[str]) -> None:
     seen: set[str] = set()
     for name in names:
         if not FOLDER_NAME.match(name):
-            message = f"{kind} name {name!r} cannot name a folder: use letters, digits, '_', '-' and '.'"
-            raise FolderError([Problem(directory, None, message)])
+            raise FolderError.about(
+                directory, f"{kind} name {name!r} cannot name a folder: use letters, digits, '_', '-' and '.'"
+            )
         if name.casefold() in seen:
-            raise FolderError([Problem(directory, None, f"two {kind}s are named {name!r} (case does not count)")])
+            raise FolderError.about(directory, f"two {kind}s are named {name!r} (case does not count)")
         seen.add(name.casefold())
 
 
@@ -185,7 +186,7 @@ def write_state(images: Path, state: State, objects: Sequence[Object]) -> dict[s
 def _write_picture(images: Path, camera: str, image: Image) -> None:
     """PNG and JPEG are kept as they are; anything else becomes PNG."""
     if not FOLDER_NAME.match(camera):
-        raise FolderError([Problem(images, None, f"camera name {camera!r} cannot name a file")])
+        raise FolderError.about(images, f"camera name {camera!r} cannot name a file")
     encoded = image.encoded
     if not encoded.startswith((PNG_START, JPEG_START)):
         encoded = Image.from_pixels(image.pixels()).encoded

@@ -17,7 +17,6 @@ from pix2pred.structs import (
     PlanResult,
     Predicate,
     Skill,
-    Type,
     Variable,
     groundings,
 )
@@ -76,11 +75,11 @@ class _Changes:
 
     def __init__(self, number: int, action: Action, operators: Sequence[Operator]) -> None:
         self._action = action
-        acting = [{t for v in o.skill_args for t in _lineage(v.type)} for o in operators]
+        acting = [{t for v in o.skill_args for t in v.type.lineage} for o in operators]
         self._concerned = [o for o in action.objects if not all(o.type in types for types in acting)]
         self._changed = LiftedAtom(Predicate(f"changed {number}", (), FromDomain()), ())
         self._is = {
-            o: Predicate(f"is {number} {i}", (_lineage(o.type)[-1],), FromDomain())
+            o: Predicate(f"is {number} {i}", ([*o.type.lineage][-1],), FromDomain())
             for i, o in enumerate(dict.fromkeys(action.objects))
         }
         self.atoms = {Atom(predicate, (o,)) for o, predicate in self._is.items()}
@@ -102,11 +101,3 @@ class _Changes:
     def _about(self, operator: Operator, pairs: Sequence[tuple[Variable, Object]]) -> Operator:
         needed = {LiftedAtom(self._is[o], (v,)) for v, o in pairs}
         return replace(operator, preconditions=operator.preconditions | needed)
-
-
-def _lineage(type_: Type) -> list[Type]:
-    """The type, and those above it."""
-    found = [type_]
-    while (parent := found[-1].parent) is not None:
-        found.append(parent)
-    return found

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pix2pred.execution.belief.perception import Perception
 from pix2pred.execution.parameters import Parameters, executed
 from pix2pred.execution.pursuit import MAX_REPLANS, GivenUpError, GivingUp, PlanFrom, Pursuit, assume_all
-from pix2pred.structs import Action, Atom, ExecutedStep, GroundOperator
+from pix2pred.structs import Atom, ExecutedStep, GroundOperator
 from pix2pred.structs.environment import Environment, StepStatus
 from pix2pred.structs.plans import changes_between, signed
 
@@ -26,11 +26,6 @@ class ExecutionResult:
     steps: tuple[ExecutedStep, ...]
     replans: int = 0
     suspects: tuple[Atom, ...] = ()
-
-
-def actions_of(plan: Sequence[GroundOperator]) -> list[Action]:
-    """The skills a plan executes, without continuous parameters."""
-    return [Action(step.operator.skill, step.skill_objects) for step in plan]
 
 
 def open_loop(plan: Sequence[GroundOperator], environment: Environment, parameters: Parameters) -> ExecutionResult:

@@ -125,8 +125,7 @@ class FilmedEpisode:
         if self._rolling:
             effects = [f"+ {atom}" for atom in sorted(operator.add)] + [f"- {atom}" for atom in sorted(operator.delete)]
             params = "with " + ", ".join(f"{p:.3f}" for p in action.params) if action.params else ""
-            skill = f"{action.skill.name}({', '.join(o.name for o in action.objects)})"
-            self._film.say(skill, *([params] if params else []), *effects)
+            self._film.say(str(operator.action), *([params] if params else []), *effects)
 
     def reset(self) -> None:
         """Start the episode over."""

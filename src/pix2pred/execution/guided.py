@@ -108,7 +108,6 @@ class Guided:
         """
         step = self.step
         assert step is not None, "there is a step to observe"
-        action = Action(step.operator.skill, step.skill_objects)
         before, kept = self.seen, listed(self.seen)
         state = state if told else replace(state, given=kept)
         after = self.scene.perception.advance(step, state, reported)
@@ -118,7 +117,7 @@ class Guided:
             assumed = changes_between(kept, given)
             after = self.scene.perception.relist(given)
         look = SeenStep(
-            step, action, state, self.scene.perception.labels, after,
+            step, step.action, state, self.scene.perception.labels, after,
             effects(step),
             changes(step.add - after, step.delete & after),
             changes(after - before - step.add, before - after - step.delete),
@@ -126,11 +125,8 @@ class Guided:
         )  # fmt: skip
         self.seen = after
         replans = self.replans
-        try:
-            self._pursuit.executed(before, succeeded=step.add <= after)
-            self._advance()
-        except GivenUpError as error:
-            self.step, self.ended = None, str(error)
+        self._pursuit.executed(before, succeeded=step.add <= after)
+        self._advance()
         self.looks.append(replace(look, replanned=self.replans > replans))
         return self.looks[-1]
 

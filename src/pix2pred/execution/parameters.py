@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,11 +40,11 @@ class Parameters:
     def choose(self, ground: GroundOperator, environment: Environment) -> tuple[Action, Draw | None]:
         """Announces and gives the action of ``ground`` in the present state, and how its parameters were drawn."""
         skill = ground.operator.skill
-        action, draw = Action(skill, ground.skill_objects), None
+        action, draw = ground.action, None
         if skill.dimension:
             sampler = self.samplers.get(ground.operator.name) or UniformSampler(skill.low, skill.high)
             draw = sampler.sample(environment.features(), ground.objects, self.rng)
-            action = Action(skill, ground.skill_objects, draw.params)
+            action = replace(action, params=draw.params)
         self.announce(ground, action)
         return action, draw
 

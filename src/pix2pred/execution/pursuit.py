@@ -164,8 +164,8 @@ class Pursuit:
         step = self.plan[self.position]
         self._failed = None if succeeded else step
         if not succeeded:
-            self._failures[before, _action(step)] += 1
-            self._needs[_action(step)] = step.preconditions
+            self._failures[before, step.action] += 1
+            self._needs[step.action] = step.preconditions
         self.position += 1
 
     def _step(self) -> GroundOperator | None:
@@ -183,7 +183,7 @@ class Pursuit:
     def _go_on(self) -> None:
         """With the plan at hand if it can be followed, or else with a new one."""
         needed, chosen = self._needed(), self._step()
-        tried = chosen is not None and _action(chosen) in self._exhausted()
+        tried = chosen is not None and chosen.action in self._exhausted()
         if tried or not needed <= self.perception.state | self._assumed:
             self._plan_again(needed)
 
@@ -272,7 +272,3 @@ class Pursuit:
         suspects = sorted(unsure(needed, self.perception), key=self.perception.probability)
         why = f"{exhausted[-1]} failed again in a state that looks the same"
         return GivenUpError(GivingUp.STUCK, why, tuple(suspects[:1]))
-
-
-def _action(step: GroundOperator) -> Action:
-    return Action(step.operator.skill, step.skill_objects)

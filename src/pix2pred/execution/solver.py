@@ -11,7 +11,7 @@ from pix2pred.execution.avoiding import plan_avoiding
 from pix2pred.execution.belief.denials import SeeingDenials
 from pix2pred.execution.belief.perception import AtTheirWord, Believing, Perceiving, Perception
 from pix2pred.execution.doubtful import nearest_plan, safer_plan, that_of
-from pix2pred.execution.episode import ClosedLoop, ExecutionResult, actions_of, open_loop
+from pix2pred.execution.episode import ClosedLoop, ExecutionResult, open_loop
 from pix2pred.execution.explaining.diagnosis import TruthOf, check_labels, correct_labels
 from pix2pred.execution.explaining.rests import initial_needs
 from pix2pred.execution.parameters import Announce, Parameters, tell_nobody
@@ -87,7 +87,7 @@ class Solver:
             task.name,
             failure,
             detail,
-            tuple(str(a) for a in actions_of(result.plan)),
+            tuple(str(step.action) for step in result.plan),
             outcome.steps if outcome else (),
             tuple(sorted(a for a in seen if isinstance(a.predicate.source, FromVLM))),
             errors,

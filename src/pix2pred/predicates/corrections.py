@@ -24,9 +24,6 @@ from pix2pred.predicates.correction_rows import (
 from pix2pred.structs import Atom, FromVLM, Label, LabelledDemo, Predicate, TruthTable
 from pix2pred.structs.formats.names import DeclaredNames, UnknownNameError
 
-_TURNED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Label.UNKNOWN}
-"""What a label says of the contrary word."""
-
 
 @dataclass(frozen=True)
 class Corrections:
@@ -117,7 +114,9 @@ class Corrections:
                 values[unsure, target] = values[unsure, i]
                 if confidence is not None:
                     confidence[unsure, target] = confidence[unsure, i]
-        atoms = [(Atom(final[a.predicate.name], a.objects), i) for i, a in enumerate(demo.atoms) if _in(a, final)]
+        atoms = [
+            (Atom(final[a.predicate.name], a.objects), i) for i, a in enumerate(demo.atoms) if a.predicate.name in final
+        ]
         atoms.sort(key=lambda pair: pair[0])
         columns = [i for _, i in atoms]
         return replace(
@@ -151,7 +150,7 @@ class Corrections:
         contraries = _contraries(predicates.values())
         said = {(where[parts], state): Label[label.upper()] for (_, state, parts), label in mine.items()}
         turned = {
-            (Atom(contraries[atom.predicate], atom.objects), state): _TURNED[label]
+            (Atom(contraries[atom.predicate], atom.objects), state): label.contrary
             for (atom, state), label in said.items() if atom.predicate in contraries
         }  # fmt: skip
         for (atom, state), label in ({cell: v for cell, v in turned.items() if cell[0] in column} | said).items():
@@ -202,10 +201,6 @@ def _contraries(predicates: Iterable[Predicate]) -> dict[Predicate, Predicate]:
 def load_corrections(path: Path) -> Corrections:
     """The corrections in a file; none when there is no file. Raises ``CorrectionsError``."""
     return Corrections.of(read_rows(path))
-
-
-def _in(atom: Atom, final: dict[str, Predicate]) -> bool:
-    return atom.predicate.name in final
 
 
 def _complaint(name: str, predicates: dict[str, Predicate]) -> str:

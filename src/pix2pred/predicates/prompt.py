@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
+from itertools import islice
 from string import Template
 
 from pix2pred.structs import Action, Atom, FromVLM, Object, Picture, Predicate, State, Type
@@ -38,10 +39,8 @@ def kind_lines(objects: Iterable[Object]) -> str:
     kinds: dict[Type, set[str]] = {}
     for one in {o.type for o in objects}:
         kinds.setdefault(one, set())
-        general = one.parent
-        while general is not None:
+        for general in islice(one.lineage, 1, None):
             kinds.setdefault(general, set()).add(one.name)
-            general = general.parent
     in_order = sorted(kinds, key=lambda t: t.name)
     lines = [f"- {kind.name}: {', '.join(sorted(kinds[kind]))}" for kind in in_order if kinds[kind]]
     return titled("More general types, and what belongs to each:", lines) + type_meanings(in_order)

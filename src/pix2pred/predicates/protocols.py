@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pix2pred.predicates.frugal.labeller import FrugalLabeller
-from pix2pred.predicates.frugal.proposing import lift_words, propose_words
+from pix2pred.predicates.frugal.proposing import propose_words
 from pix2pred.predicates.labelling.labeller import Labeller
 from pix2pred.predicates.labelling.settings import LabelProtocol, LabelSettings
 from pix2pred.predicates.labelling.state_labels import StateLabeller
@@ -43,7 +43,7 @@ def proposed_pool(
     """
     taken = [p.name for p in initial]
     if labels.protocol is LabelProtocol.FRUGAL and proposal.diverse:
-        words = propose_words(demos, vlm, proposal, initial, max_pictures=max_pictures, progress=progress)
-        return lift_words(words, taken), words
-    proposals = propose(demos, vlm, proposal, together=together, max_pictures=max_pictures, progress=progress)
+        proposals = propose_words(demos, vlm, proposal, initial, max_pictures=max_pictures, progress=progress)
+    else:
+        proposals = propose(demos, vlm, proposal, together=together, max_pictures=max_pictures, progress=progress)
     return lift(proposals, taken), proposals

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from pix2pred.execution import Guided, PlannedScene, SeenStep, Solver, assume_all, plan_scene
 from pix2pred.robots.robot import Outcome, Robot, RobotError
-from pix2pred.structs import Action, Task
+from pix2pred.structs import Task
 from pix2pred.structs.environment import Step, StepStatus
 
 
@@ -131,7 +131,7 @@ def _work(
         if not watcher.about_to(guided):
             run.outcome, run.detail = Outcome.STOPPED, "stopped before the next skill"
             return
-        action = Action(guided.step.operator.skill, guided.step.skill_objects)
+        action = guided.step.action
         run.under_way = str(action)
         remember(run)
         step = robot.execute(action)

@@ -20,7 +20,7 @@ class ExpressionError(Pix2predError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class AtMost:
-    """``x.feature <= bound`` for an object of exactly ``type_name``; ``index`` is its feature's position."""
+    """``x.feature <= bound`` for an object of exactly ``type_name``."""
 
     type_name: str
     feature: str
@@ -62,7 +62,7 @@ def evaluate(expression: Expression, state: State, args: tuple[Object, ...]) -> 
         case Not(inner):
             return not evaluate(inner, state, args)
         case ForAll(inner):
-            over = _type_name(inner)
+            over = _leaf(inner).type_name
             return all(evaluate(inner, state, (o,)) for o in sorted(state.features) if o.type.name == over)
         case AtMost(type_name, feature, bound):
             (thing,) = args
@@ -99,14 +99,6 @@ def check_expression(name: str, expression: Expression, given: Sequence[str], ty
 
 def _leaf(expression: Expression) -> AtMost:
     return expression if isinstance(expression, AtMost) else _leaf(expression.inner)
-
-
-def _type_name(expression: Expression) -> str:
-    match expression:
-        case AtMost(type_name):
-            return type_name
-        case Not(inner) | ForAll(inner):
-            return _type_name(inner)
 
 
 _LEAF = re.compile(r"\(<=\s+([A-Za-z][\w\-]*)\.([\w\-]+)\s+([-+0-9.eE]+|inf|-inf)\)\Z")

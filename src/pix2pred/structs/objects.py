@@ -29,10 +29,18 @@ class Type:
         """By name: atoms are hashed all the time, and two things that differ in nothing but the rest are rare."""
         return hash(self.name)
 
+    @property
+    def lineage(self) -> Iterator[Type]:
+        """This type and those above it, the most general last."""
+        node: Type | None = self
+        while node is not None:
+            yield node
+            node = node.parent
+
     def is_a(self, other: Type) -> bool:
         """Whether this type is ``other`` or has it among its ancestors."""
         node: Type | None = self
-        while node is not None:
+        while node is not None:  # asked too often to go through ``lineage``
             if node.name == other.name:
                 return True
             node = node.parent

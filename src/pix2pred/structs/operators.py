@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from pix2pred.structs.objects import Object, Variable, groundings
 from pix2pred.structs.predicates import Atom, LiftedAtom
-from pix2pred.structs.skills import Skill
+from pix2pred.structs.skills import Action, Skill
 from pix2pred.structs.states import AbstractState
 
 
@@ -87,6 +87,11 @@ class GroundOperator:
     add: frozenset[Atom]
     delete: frozenset[Atom]
     skill_objects: tuple[Object, ...]
+
+    @property
+    def action(self) -> Action:
+        """The skill that it runs, without continuous parameters."""
+        return Action(self.operator.skill, self.skill_objects)
 
     def applicable(self, state: AbstractState) -> bool:
         """Whether every precondition holds in ``state``."""

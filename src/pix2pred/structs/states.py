@@ -94,6 +94,12 @@ class Box:
         """The middle, (x, y)."""
         return (self.left + self.right) / 2, (self.top + self.bottom) / 2
 
+    @classmethod
+    def around(cls, mask: NDArray[np.bool_]) -> Box:
+        """The box around the true pixels of ``mask``, of shape (height, width); there are some."""
+        rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+        return cls(float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
+
     def union(self, other: Box) -> Box:
         """The smallest box that covers both."""
         return Box(

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.structs.goals.opposites import contrary, is_denial
+from pix2pred.structs.goals.opposites import affirmed, is_denial
 from pix2pred.structs.objects import Object
 from pix2pred.structs.predicates import Atom, FromVLM, Predicate
 from pix2pred.structs.skills import Action
@@ -29,6 +29,11 @@ class Label(IntEnum):
     def word(self) -> Literal["true", "false", "unknown"]:
         """What files and people call it."""
         return _WORDS[self]
+
+    @property
+    def contrary(self) -> Label:
+        """What it says of the contrary of its atom; nothing, where it says nothing."""
+        return {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE}.get(self, self)
 
     @classmethod
     def of(cls, held: bool) -> Label:
@@ -123,7 +128,7 @@ def _contradictions(goal: Iterable[Atom], last: Mapping[Atom, Label]) -> tuple[i
     certain = labelled = unknown = 0
     for atom in goal:
         wanted = Label.FALSE if is_denial(atom) else Label.TRUE
-        said = contrary(atom) if is_denial(atom) else atom
+        said = affirmed(atom)
         value = last.get(said, Label.FALSE)
         if value is Label.UNKNOWN:
             unknown += 1

@@ -2,4 +2,4 @@
 
 from pix2pred.approaches.sandbox.process import CodeError, SandboxError, SandboxLimits, run_classifier
 
-__all__ = ["CodeError", "SandboxError", "SandboxLimits", "Scene", "run_classifier"]
+__all__ = ["CodeError", "SandboxError", "SandboxLimits", "run_classifier"]

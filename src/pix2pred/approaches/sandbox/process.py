@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pix2pred.structs import Object, Type
+from pix2pred.structs import Object
 from pix2pred.structs.samplers import Features
 from pix2pred.system.errors import Pix2predError
 
@@ -80,11 +80,7 @@ def _plain(scene: Features) -> dict[str, tuple[list[str], dict[str, float]]]:
     """Objects by what prompts call them: their types from the most specific up, and their features by name."""
     plain = {}
     for thing, features in sorted(scene.items()):
-        kinds: list[str] = []
-        node: Type | None = thing.type
-        while node is not None:
-            kinds.append(node.name)
-            node = node.parent
+        kinds = [kind.name for kind in thing.type.lineage]
         plain[thing.prompt_name] = (kinds, dict(zip(thing.type.features, features, strict=True)))
     return plain
 

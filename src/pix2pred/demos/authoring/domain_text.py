@@ -64,14 +64,4 @@ def _section(key: str, rows: Sequence[str]) -> str:
 
 def _row(doc: Any) -> str:
     """What a document says that is not the default, as nested YAML on one line."""
-    return _flow(doc.model_dump(mode="json", exclude_defaults=True))
-
-
-def _flow(value: Any) -> str:
-    match value:
-        case dict():
-            return "{" + ", ".join(f"{inline_yaml(k)}: {_flow(v)}" for k, v in value.items()) + "}"
-        case list():
-            return "[" + ", ".join(map(_flow, value)) + "]"
-        case _:
-            return inline_yaml(value)
+    return inline_yaml(doc.model_dump(mode="json", exclude_defaults=True))

@@ -81,7 +81,7 @@ def write_drafts(
 def refuse_begun(directory: Path, *, overwrite: bool) -> None:
     """Raise ``FolderError`` where a new project would replace something, unless ``overwrite`` says so."""
     if (directory.exists() or directory.is_symlink()) and not is_folder(directory):
-        raise FolderError([Problem(directory, None, "is no folder; choose another place")])
+        raise FolderError.about(directory, "is no folder; choose another place")
     if overwrite:
         return
     message = "exists already; choose another folder, or say --overwrite to replace it"
@@ -92,8 +92,7 @@ def refuse_begun(directory: Path, *, overwrite: bool) -> None:
 
 def _refuse_present(directory: Path, drafts: Sequence[Draft], *, overwrite: bool) -> None:
     if not is_folder(directory) or not (directory / DOMAIN).exists():
-        message = "there is no project yet; begin one with: pix2pred init"
-        raise FolderError([Problem(directory / DOMAIN, None, message)])
+        raise FolderError.about(directory / DOMAIN, "there is no project yet; begin one with: pix2pred init")
     present = {path.name.casefold(): path for path in _entries(directory / DEMOS)}
     found = []
     for draft in drafts:

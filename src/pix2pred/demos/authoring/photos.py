@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from itertools import groupby
@@ -65,20 +65,23 @@ def find_photos(source: Path, order: Order = "auto") -> tuple[PhotoSeries, ...]:
     """
     if not is_folder(source):
         what = "is not a folder" + ("; unpack it first" if source.suffix.lower() in (".zip", ".tar", ".gz") else "")
-        raise FolderError([Problem(source, None, what if source.exists() else "does not exist")])
+        raise FolderError.about(source, what if source.exists() else "does not exist")
     found: list[Problem] = []
     flat = _photos(source, source, found)
     folders = [path for path in entries(source, found) if is_folder(path)]
     series: list[PhotoSeries] = []
     if flat and any(_photos(f, source, []) for f in folders):
-        message = "holds photos and folders of photos; move the photos into a folder of their own"
-        raise FolderError([Problem(source, None, message)])
+        raise FolderError.about(
+            source, "holds photos and folders of photos; move the photos into a folder of their own"
+        )
     if not flat and (states := _numbered(source, source)):
         flat = states
     for folder in [source] if flat else folders:
         cameras = {MAIN: flat} if flat else _cameras(folder, source, found)
         if cameras:
-            series.append(_in_order(folder, cameras, order, demo_name(folder.resolve().name, _names(series)), found))
+            series.append(
+                _in_order(folder, cameras, order, demo_name(folder.resolve().name, [s.name for s in series]), found)
+            )
     if not series and not found:
         found.append(Problem(source, None, "holds no photo (PNG or JPEG), nor a folder of photos"))
     if found:
@@ -95,10 +98,6 @@ def _numbered(folder: Path, root: Path) -> list[Path]:
     return [path for (path,) in photos]
 
 
-def _names(series: Sequence[PhotoSeries]) -> list[str]:
-    return [s.name for s in series]
-
-
 def _photos(folder: Path, root: Path, found: list[Problem]) -> list[Path]:
     """The photos in ``folder``; those that cannot be read, by their names, are problems."""
     photos = []
@@ -107,8 +106,8 @@ def _photos(folder: Path, root: Path, found: list[Problem]) -> list[Path]:
         if is_folder(path):
             continue
         if ending in (*ENDINGS, *HEIC_ENDINGS):
-            if message := refusal(path, root):
-                found.append(Problem(path, None, message.replace("project folder", "folder of photos")))
+            if message := refusal(path, root, "folder of photos"):
+                found.append(Problem(path, None, message))
             else:
                 photos.append(path)
         elif ending in OTHER_PICTURES:

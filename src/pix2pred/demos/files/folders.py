@@ -12,7 +12,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from pix2pred.demos.files.problems import Problem
+from pix2pred.demos.files.problems import FolderError, Problem
+from pix2pred.demos.files.yaml_lines import MAX_BYTES
 
 DOMAIN, DEMOS, TASKS = "domain.yaml", "demos", "tasks"
 DEMO, TASK, IMAGES, SIMULATOR = "demo.yaml", "task.yaml", "images", "simulator.json"
@@ -49,12 +50,12 @@ def natural(name: str) -> tuple[list[str | int], str]:
     return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", name)], name
 
 
-def refusal(path: Path, root: Path) -> str | None:
-    """Why ``path`` is not opened; None for a regular file inside ``root``."""
+def refusal(path: Path, root: Path, what: str = "project folder") -> str | None:
+    """Why ``path`` is not opened; None for a regular file inside ``root``, which people call the ``what``."""
     try:
         real = path.resolve(strict=True)
         if not real.is_relative_to(root.resolve()):
-            return "leads outside the project folder; copy the file into it"
+            return f"leads outside the {what}; copy the file into it"
         if not real.is_file():
             return "is not a regular file"
         return LFS_POINTER if _is_lfs_pointer(real) else None
@@ -62,6 +63,19 @@ def refusal(path: Path, root: Path) -> str | None:
         return MISSING
     except (OSError, RuntimeError):  # RuntimeError: a loop of links, before Python 3.13
         return "cannot be opened"
+
+
+def text_of(file: Path) -> str:
+    """What stands in a text file that a person wrote. Raises ``FolderError``, for more than ``MAX_BYTES`` too."""
+    try:
+        content = file.read_bytes()
+        if len(content) > MAX_BYTES:
+            raise FolderError.about(file, f"has {len(content)} bytes; more than {MAX_BYTES} are not read")
+        return content.decode("utf-8-sig")
+    except OSError as error:
+        raise FolderError.about(file, f"cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise FolderError.about(file, "is not UTF-8 text; save it with the encoding UTF-8") from error
 
 
 def entries(folder: Path, found: list[Problem]) -> list[Path]:

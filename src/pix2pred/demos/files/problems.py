@@ -39,3 +39,8 @@ class FolderError(Pix2predError, ValueError):
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
+
+    @classmethod
+    def about(cls, file: Path, message: str) -> FolderError:
+        """The error with one problem, which concerns ``file`` as a whole."""
+        return cls([Problem(file, None, message)])

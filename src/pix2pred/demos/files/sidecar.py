@@ -17,9 +17,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StringConstraints
 
 from pix2pred.demos.files.documents import FileDoc, Number, Objects, Sheet, load_document
-from pix2pred.demos.files.folders import FOLDER_NAME
+from pix2pred.demos.files.folders import FOLDER_NAME, text_of
 from pix2pred.demos.files.problems import FolderError, Problem
-from pix2pred.demos.files.yaml_lines import MAX_BYTES, LinedData, Loc
+from pix2pred.demos.files.yaml_lines import LinedData, Loc
 from pix2pred.structs.formats.documents import Document
 
 _CLOCK = re.compile(r"(?:\d{1,3}:){0,2}\d{1,9}(?:\.\d{1,9})?\Z", re.ASCII)
@@ -118,22 +118,14 @@ def read_sidecar(file: Path) -> tuple[Segment, ...]:
 
 def _read_table(file: Path, found: list[Problem]) -> tuple[Sheet, ImportDoc] | None:
     """A CSV table or a list of actions as the document it stands for."""
-    try:
-        content = file.read_bytes()
-        if len(content) > MAX_BYTES:
-            raise FolderError([Problem(file, None, f"has {len(content)} bytes; more than {MAX_BYTES} are not read")])
-        text = content.decode("utf-8-sig")
-    except OSError as error:
-        raise FolderError([Problem(file, None, f"cannot be read ({error.strerror})")]) from error
-    except UnicodeDecodeError as error:
-        raise FolderError([Problem(file, None, "is not UTF-8 text; save it with the encoding UTF-8")]) from error
+    text = text_of(file)
     match file.suffix.lower():
         case ".csv":
             demos, lines = _from_csv(file, text, found)
         case ".txt":
             demos, lines = _from_list(file, text)
         case _:
-            raise FolderError([Problem(file, None, "is not read; write a .yaml, .csv or .txt file")])
+            raise FolderError.about(file, "is not read; write a .yaml, .csv or .txt file")
     if not demos and not found:
         found.append(Problem(file, None, "names no action"))
     if found:

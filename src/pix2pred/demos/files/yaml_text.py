@@ -20,11 +20,6 @@ def dump_yaml(data: Mapping[str, Any]) -> str:
     return "".join(f"{line}\n" for line in _block(data, ""))
 
 
-def inline_yaml(value: Any) -> str:
-    """``value``, text or a container of plain values, on one line."""
-    return _inline(value)
-
-
 def _block(value: Any, indent: str) -> Iterator[str]:
     """The lines of a container, one entry a line."""
     if isinstance(value, Mapping):
@@ -41,7 +36,7 @@ def _block(value: Any, indent: str) -> Iterator[str]:
 
 
 def _entry(head: str, value: Any, indent: str) -> Iterator[str]:
-    if _is_leaf(value) and not (isinstance(value, Mapping) and len(head) + len(_inline(value)) >= WIDTH):
+    if _is_leaf(value) and not (isinstance(value, Mapping) and len(head) + len(inline_yaml(value)) >= WIDTH):
         yield from _leaf(head, value, indent)
     else:
         yield head
@@ -51,12 +46,12 @@ def _entry(head: str, value: Any, indent: str) -> Iterator[str]:
 
 def _leaf(head: str, value: Any, indent: str) -> Iterator[str]:
     """``head value``; a list that is too long goes on in the next lines."""
-    if not isinstance(value, (list, tuple)) or len(head) + len(_inline(value)) < WIDTH:
-        yield f"{head} {_inline(value)}"
+    if not isinstance(value, (list, tuple)) or len(head) + len(inline_yaml(value)) < WIDTH:
+        yield f"{head} {inline_yaml(value)}"
         return
     line = f"{head} ["
     for position, entry in enumerate(value):
-        item = _inline(entry) + ("]" if position == len(value) - 1 else ",")
+        item = inline_yaml(entry) + ("]" if position == len(value) - 1 else ",")
         if position and len(line) + len(item) > WIDTH:
             yield line.rstrip(" ")
             line = f"{indent}    "
@@ -75,11 +70,12 @@ def _is_container(value: Any) -> bool:
     return isinstance(value, (Mapping, list, tuple))
 
 
-def _inline(value: Any) -> str:
+def inline_yaml(value: Any) -> str:
+    """``value``, text or a container of values, on one line."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_text(k)}: {_inline(v)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{_text(k)}: {inline_yaml(v)}" for k, v in value.items()) + "}"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_inline(entry) for entry in value) + "]"
+        return "[" + ", ".join(inline_yaml(entry) for entry in value) + "]"
     match value:
         case None:
             return "null"

@@ -36,7 +36,7 @@ def traces_of_bits(file: Path) -> dict[str, Any]:
     with file.open("rb") as opened:
         content = opened.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
-        raise FolderError([Problem(file, None, f"has more than {MOST_BYTES:,} bytes")])
+        raise FolderError.about(file, f"has more than {MOST_BYTES:,} bytes")
     found: list[Problem] = []
     traces = [t for rows in _blocks(content) if (t := _trace(file, rows, found)) is not None]
     for trace in traces[1:]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 from pix2pred.demos.authoring.drafts import Draft
@@ -48,14 +48,15 @@ def _actions_beside(series: PhotoSeries) -> tuple[str | None, ...]:
     (segment,) = read_sidecar(file)
     steps = tuple(step.do for step in segment.doc.steps)
     if len(steps) != len(series) - 1:
-        message = f"{len(steps)} actions need {len(steps) + 1} pictures, {series.folder} has {len(series)}"
-        raise FolderError([Problem(file, None, message)])
+        raise FolderError.about(
+            file, f"{len(steps)} actions need {len(steps) + 1} pictures, {series.folder} has {len(series)}"
+        )
     return steps
 
 
 def _draft(series: PhotoSeries, actions: tuple[str | None, ...], max_side: int) -> Draft:
     notes = (f"{len(series)} photos, {series.note}.", *UNKNOWN)
-    return Draft(series.name, actions, _Copies(series, max_side), notes=notes)
+    return Draft(series.name, actions, _copies(series, max_side), notes=notes)
 
 
 def _series_of(segment: Segment, series: Sequence[PhotoSeries], found: list[Problem]) -> PhotoSeries | None:
@@ -97,15 +98,9 @@ def _cut(segment: Segment, series: PhotoSeries, max_side: int, found: list[Probl
     return replace(draft, name=doc.name, objects=doc.objects, goal=doc.goal)
 
 
-@dataclass(slots=True)
-class _Copies:
+def _copies(series: PhotoSeries, max_side: int) -> Iterator[Mapping[str, Image]]:
     """The clean copies of a series, made while they are gone through; at the end, all that could not be read."""
-
-    series: PhotoSeries
-    max_side: int
-    found: list[Problem] = field(default_factory=list)
-
-    def __iter__(self) -> Iterator[Mapping[str, Image]]:
-        yield from clean_copies(self.series, self.max_side, self.found)
-        if self.found:
-            raise FolderError(self.found)
+    found: list[Problem] = []
+    yield from clean_copies(series, max_side, found)
+    if found:
+        raise FolderError(found)

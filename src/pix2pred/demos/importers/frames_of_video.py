@@ -42,8 +42,8 @@ def frames_at(path: Path, seconds: Sequence[float], root: Path) -> Iterator[Pixe
 
     ``path`` must not lead out of ``root``.
     """
-    if message := refusal(path, root):
-        raise VideoError(message.replace("project folder", "source"))
+    if message := refusal(path, root, "source"):
+        raise VideoError(message)
     with _opened(path) as (container, stream):
         for moment in seconds:
             yield _frame_at(container, stream, moment)

@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pix2pred.demos.authoring.drafts import Draft
+from pix2pred.demos.files.folders import text_of
 from pix2pred.demos.files.problems import FolderError, Problem
-from pix2pred.demos.files.yaml_lines import MAX_BYTES
 
 _DIVIDER = re.compile(r"^={3,}[ \t\r]*$", re.MULTILINE)
 _STEP = re.compile(r"\{([^{}]*)\}|->|[^\s{}][^\n{}]*?(?=\s*->|\n|\Z)")
@@ -39,15 +39,7 @@ class LabelledTrajectory:
 
 def read_labels(file: Path) -> tuple[LabelledTrajectory, ...]:
     """The labelled demonstrations in ``file``. Raises ``FolderError`` with every line that is wrong."""
-    try:
-        content = file.read_bytes()
-        text = content.decode("utf-8-sig")
-    except OSError as error:
-        raise FolderError([Problem(file, None, f"cannot be read ({error.strerror})")]) from error
-    except UnicodeDecodeError as error:
-        raise FolderError([Problem(file, None, "is not UTF-8 text; save it with the encoding UTF-8")]) from error
-    if len(content) > MAX_BYTES:
-        raise FolderError([Problem(file, None, f"has {len(content)} bytes; more than {MAX_BYTES} are not read")])
+    text = text_of(file)
     found: list[Problem] = []
     read: list[LabelledTrajectory] = []
     start = 0
@@ -110,7 +102,7 @@ def with_labels(file: Path, drafts: Sequence[Draft]) -> tuple[Draft, ...]:
         message = (
             f"labels {len(trajectories)} demonstrations, there are {len(drafts)}: {', '.join(d.name for d in drafts)}"
         )
-        raise FolderError([Problem(file, None, message)])
+        raise FolderError.about(file, message)
     labelled = []
     for draft, one in zip(drafts, trajectories, strict=True):
         if len(draft.actions) != len(one.actions):

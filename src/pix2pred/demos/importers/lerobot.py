@@ -56,11 +56,11 @@ def drafts_of_lerobot(source: Path, segments: Sequence[Segment] = (), *, max_sid
             return tuple(_of_subtasks(episode, info, source, max_side) for episode in episodes.values())
         drafts = [_draft(segment, info, episodes, source, max_side, found) for segment in segments]
     except DatasetError as error:
-        raise FolderError([Problem(error.file, None, str(error))]) from error
+        raise FolderError.about(error.file, str(error)) from error
     except FolderError:
         raise
     except ValueError as error:  # a place that is no number, or a path that cannot be
-        raise FolderError([Problem(source, None, str(error))]) from error
+        raise FolderError.about(source, str(error)) from error
     if found:
         raise FolderError(found)
     return tuple(draft for draft in drafts if draft)
@@ -170,11 +170,12 @@ class _Pictures:
         except FolderError:
             raise
         except ValueError as error:  # of the video, the table, the picture, or a path that cannot be
-            raise FolderError([Problem(path, None, f"{key}: {error} (for {self.where})")]) from error
+            raise FolderError.about(path, f"{key}: {error} (for {self.where})") from error
 
     def _cameras(self) -> Sequence[CameraColumn]:
         cameras = self.episode.cameras(self.source, self.info)
         if not cameras:
-            message = f"no camera has footage of episode {self.episode.number} (for {self.where})"
-            raise FolderError([Problem(self.source, None, message)])
+            raise FolderError.about(
+                self.source, f"no camera has footage of episode {self.episode.number} (for {self.where})"
+            )
         return cameras

@@ -29,8 +29,8 @@ def rows(path: Path, columns: Sequence[str], root: Path, batch: int = 4096) -> I
 
     ``path`` must not lead out of ``root``.
     """
-    if message := refusal(path, root):
-        raise ParquetError(message.replace("project folder", "source"))
+    if message := refusal(path, root, "source"):
+        raise ParquetError(message)
     optional("pyarrow", "lerobot")
     import pyarrow
     import pyarrow.parquet

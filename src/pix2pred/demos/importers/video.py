@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from pix2pred.demos.authoring.drafts import Draft
@@ -22,7 +21,7 @@ def drafts_of_videos(source: Path, segments: Sequence[Segment], *, max_side: int
     """One draft for each segment, whose frames are taken while it is written. Raises ``FolderError``."""
     optional("av", "video")
     if not source.exists():
-        raise FolderError([Problem(source, None, "does not exist")])
+        raise FolderError.about(source, "does not exist")
     found: list[Problem] = []
     videos = _videos(source, found)
     drafts = []
@@ -37,7 +36,7 @@ def drafts_of_videos(source: Path, segments: Sequence[Segment], *, max_side: int
             doc = segment.doc
             shown = ", ".join(f"{moment:g}" for moment in moments[:100])
             notes = (f"Frames of a video at {shown} seconds.", UNKNOWN)
-            frames = _Frames(path, source if is_folder(source) else source.resolve().parent, moments, segment, max_side)
+            frames = _frames(path, source if is_folder(source) else source.resolve().parent, moments, segment, max_side)
             drafts.append(Draft(doc.name, tuple(s.do for s in doc.steps), frames, doc.objects, doc.goal, notes))
     if found:
         raise FolderError(found)
@@ -65,25 +64,18 @@ def _video_of(segment: Segment, source: Path, videos: Sequence[Path], found: lis
     return None
 
 
-@dataclass(frozen=True, slots=True)
-class _Frames:
+def _frames(
+    path: Path, root: Path, moments: tuple[float, ...], segment: Segment, max_side: int
+) -> Iterator[Mapping[str, Image]]:
     """The frames of the film ``path`` that show the states of a segment, at ``moments`` in seconds.
 
     They are made smaller until the longer side has ``max_side`` pixels.
     """
-
-    path: Path
-    root: Path
-    moments: tuple[float, ...]
-    segment: Segment
-    max_side: int
-
-    def __iter__(self) -> Iterator[Mapping[str, Image]]:
-        given = 0
-        try:
-            for pixels in frames_at(self.path, self.moments, self.root):
-                given += 1
-                yield {MAIN: Image.from_pixels(scaled(pixels, self.max_side))}
-        except VideoError as error:
-            file, line = self.segment.sheet.file, self.segment.problem(("steps", max(0, given - 1)), "").line
-            raise FolderError([Problem(self.path, None, f"{error} (for {file.name}, line {line})")]) from error
+    given = 0
+    try:
+        for pixels in frames_at(path, moments, root):
+            given += 1
+            yield {MAIN: Image.from_pixels(scaled(pixels, max_side))}
+    except VideoError as error:
+        file, line = segment.sheet.file, segment.problem(("steps", max(0, given - 1)), "").line
+        raise FolderError.about(path, f"{error} (for {file.name}, line {line})") from error

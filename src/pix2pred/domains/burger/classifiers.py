@@ -3,26 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
 from pix2pred.domains.burger.vocabulary import make_object, printed_name
 from pix2pred.domains.burger.world import BurgerWorld
-from pix2pred.structs import Atom, Object, Predicate, groundings
-
-
-def _on(world: BurgerWorld, item: str, support: str) -> bool:
-    return world.supports(support, item)
-
-
-def _on_ground(world: BurgerWorld, item: str) -> bool:
-    return world.thing(item).z == 0
-
-
-def _clear(world: BurgerWorld, name: str) -> bool:
-    return name != world.held and world.cover(name) is None
-
-
-def _holding(world: BurgerWorld, robot: str, item: str) -> bool:
-    return robot == world.robot and world.held == item
+from pix2pred.domains.given import holding
+from pix2pred.structs import Atom, Object, Predicate
 
 
 def _somewhere_above(world: BurgerWorld, support: str, item: str) -> bool:
@@ -36,10 +22,10 @@ def _right_above(world: BurgerWorld, support: str, item: str) -> bool:
 
 
 _CLASSIFIERS: Mapping[str, Callable[..., bool]] = {
-    "On": _on,
-    "OnGround": _on_ground,
-    "Clear": _clear,
-    "Holding": _holding,
+    "On": lambda w, item, support: w.supports(support, item),
+    "OnGround": lambda w, item: w.thing(item).z == 0,
+    "Clear": lambda w, name: name != w.held and w.cover(name) is None,
+    "Holding": lambda w, robot, item: robot == w.robot and w.held == item,
     "SomewhereAboveAndPrepped": _somewhere_above,
     "RightAboveAndPrepped": _right_above,
 }
@@ -60,10 +46,4 @@ def objects_of(world: BurgerWorld) -> tuple[Object, ...]:
 
 def true_atoms(world: BurgerWorld, predicates: Iterable[Predicate]) -> frozenset[Atom]:
     """The atoms that hold, over all type-consistent groundings with distinct objects."""
-    objects = objects_of(world)
-    return frozenset(
-        atom
-        for predicate in predicates
-        for args in groundings(predicate.types, objects, distinct=True)
-        if holds(world, atom := Atom(predicate, args))
-    )
+    return holding(predicates, objects_of(world), partial(holds, world))

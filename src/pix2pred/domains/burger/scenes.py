@@ -8,6 +8,7 @@ import numpy as np
 
 from pix2pred.domains.burger.families import BurgerRecipe, SceneContents
 from pix2pred.domains.burger.world import EDGE_CELLS, BurgerWorld, Cell, Heading, Thing, edge_cells
+from pix2pred.domains.seeds import look
 from pix2pred.structs import Application
 
 ROBOT_NAME = "robot"
@@ -24,7 +25,7 @@ def initial_world(scene: SceneContents, rng: np.random.Generator, held_z: int = 
     if len(loose) > len(cells):
         raise ValueError(f"{len(loose)} things do not fit {len(cells)} cells")
     order = rng.permutation(len(cells))
-    look = int(rng.integers(2**31))
+    drawn = look(rng)
     placed = {name: Thing(name, kind, cells[order[i]]) for i, (name, kind) in enumerate(loose)}
     middle = Cell(scene.size // 2, scene.size // 2)
     for name, kind in scene.things:
@@ -33,7 +34,7 @@ def initial_world(scene: SceneContents, rng: np.random.Generator, held_z: int = 
         elif name in scene.start:
             support = placed[scene.start[name]]
             placed[name] = replace(support, name=name, type=kind, z=support.z + 1)
-    return BurgerWorld(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), look, scene.size)
+    return BurgerWorld(ROBOT_NAME, middle, Heading.RIGHT, scene.held, tuple(placed.values()), drawn, scene.size)
 
 
 def sized_recipe(items: int) -> BurgerRecipe:

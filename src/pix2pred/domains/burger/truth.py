@@ -9,39 +9,11 @@ from pix2pred.domains.burger.world import BurgerWorld, Heading
 from pix2pred.domains.words import Concept, TrueWords
 
 
-def _prepared(world: BurgerWorld, name: str) -> bool:
-    return world.thing(name).prepared
-
-
-def _hand_empty(world: BurgerWorld, robot: str) -> bool:
-    return world.held is None
-
-
-def _holding(world: BurgerWorld, robot: str, item: str) -> bool:
-    return world.held == item
-
-
-def _held(world: BurgerWorld, item: str) -> bool:
-    return world.held == item
-
-
-def _on(world: BurgerWorld, item: str, support: str) -> bool:
-    return world.supports(support, item)
-
-
 def _above(world: BurgerWorld, item: str, support: str) -> bool:
     if world.robot in (item, support) or world.held in (item, support):
         return False
     high, low = world.thing(item), world.thing(support)
     return high.cell == low.cell and high.z > low.z
-
-
-def _covered(world: BurgerWorld, name: str) -> bool:
-    return world.cover(name) is not None
-
-
-def _on_ground(world: BurgerWorld, item: str) -> bool:
-    return item != world.held and world.thing(item).z == 0
 
 
 def _on_station(world: BurgerWorld, item: str) -> bool:
@@ -51,23 +23,8 @@ def _on_station(world: BurgerWorld, item: str) -> bool:
     )
 
 
-def _occupied(world: BurgerWorld, station: str) -> bool:
-    return any(t.is_item for t in world.stack(world.where(station)))
-
-
-def _facing(world: BurgerWorld, robot: str, name: str) -> bool:
-    return name != world.held and world.where(name) == world.faced
-
-
 def _adjacent(world: BurgerWorld, robot: str, name: str) -> bool:
     return name != world.held and any(world.cell.toward(h) == world.where(name) for h in Heading)
-
-
-def _faces(heading: Heading) -> Concept:
-    def value(world: BurgerWorld, robot: str) -> bool:
-        return world.heading == heading
-
-    return Concept(("robot",), value)
 
 
 def _stacked(world: BurgerWorld, item: str) -> bool:
@@ -78,30 +35,26 @@ def _stacked(world: BurgerWorld, item: str) -> bool:
     )
 
 
-def _top_of_stack(world: BurgerWorld, item: str) -> bool:
-    return item != world.held and world.cover(item) is None
-
-
 CONCEPTS: Mapping[str, Concept] = {
-    "cooked": Concept(("patty",), _prepared),
-    "chopped": Concept(("lettuce",), _prepared),
-    "hand_empty": Concept(("robot",), _hand_empty),
-    "holding": Concept(("robot", "item"), _holding),
-    "held": Concept(("item",), _held),
-    "on": Concept(("item", "object"), _on),
+    "cooked": Concept(("patty",), lambda w, item: w.thing(item).prepared),
+    "chopped": Concept(("lettuce",), lambda w, item: w.thing(item).prepared),
+    "hand_empty": Concept(("robot",), lambda w, robot: w.held is None),
+    "holding": Concept(("robot", "item"), lambda w, robot, item: w.held == item),
+    "held": Concept(("item",), lambda w, item: w.held == item),
+    "on": Concept(("item", "object"), lambda w, item, support: w.supports(support, item)),
     "above": Concept(("item", "object"), _above),
-    "covered": Concept(("object",), _covered),
-    "on_ground": Concept(("item",), _on_ground),
+    "covered": Concept(("object",), lambda w, name: w.cover(name) is not None),
+    "on_ground": Concept(("item",), lambda w, item: item != w.held and w.thing(item).z == 0),
     "on_station": Concept(("item",), _on_station),
-    "occupied": Concept(("station",), _occupied),
-    "facing": Concept(("robot", "object"), _facing),
+    "occupied": Concept(("station",), lambda w, station: any(t.is_item for t in w.stack(w.where(station)))),
+    "facing": Concept(("robot", "object"), lambda w, robot, name: name != w.held and w.where(name) == w.faced),
     "adjacent": Concept(("robot", "object"), _adjacent),
-    "facing_up": _faces(Heading.UP),
-    "facing_left": _faces(Heading.LEFT),
-    "facing_down": _faces(Heading.DOWN),
-    "facing_right": _faces(Heading.RIGHT),
+    "facing_up": Concept(("robot",), lambda w, robot: w.heading == Heading.UP),
+    "facing_left": Concept(("robot",), lambda w, robot: w.heading == Heading.LEFT),
+    "facing_down": Concept(("robot",), lambda w, robot: w.heading == Heading.DOWN),
+    "facing_right": Concept(("robot",), lambda w, robot: w.heading == Heading.RIGHT),
     "stacked": Concept(("item",), _stacked),
-    "top_of_stack": Concept(("item",), _top_of_stack),
+    "top_of_stack": Concept(("item",), lambda w, item: item != w.held and w.cover(item) is None),
 }
 """Every word with a ground truth."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from pix2pred.domains.cleanup.scenes import (
     make_world,
 )
 from pix2pred.domains.home.domain import Recipe, Start, StartMaker
-from pix2pred.domains.home.world import Body, World
+from pix2pred.domains.home.world import Body
 
 Rng = np.random.Generator
 _WIPED = f"WipedOfMarkerScribbles({TABLE})"
@@ -27,10 +28,7 @@ _WIPE = f"WipeAndContinueHoldingEraser(eraser, {TABLE})"
 
 
 def _shown(name: str, plan: CleanupScene, skills: Sequence[str], goal: Sequence[str]) -> Recipe:
-    def start(rng: Rng) -> World:
-        return make_world(plan, Body.HUMAN, "home", rng)
-
-    return Recipe(name, start, tuple(skills), tuple(goal))
+    return Recipe(name, partial(make_world, plan, Body.HUMAN, "home"), tuple(skills), tuple(goal))
 
 
 def _inside(thing: str, container: str) -> str:

@@ -10,8 +10,10 @@ import numpy as np
 
 from pix2pred.domains.cleanup.skills import all_strokes
 from pix2pred.domains.home.drawing.fixtures import bin_size, table_size
+from pix2pred.domains.home.places import Place, apart
 from pix2pred.domains.home.settling import free_spot, rise_of, settled
 from pix2pred.domains.home.world import Body, Quaternion, Thing, Vector, World
+from pix2pred.domains.seeds import look
 
 Rng = np.random.Generator
 
@@ -50,7 +52,7 @@ def make_world(plan: CleanupScene, body: Body, style: str, rng: Rng) -> World:
     strokes = all_strokes() if plan.scribbled else ()
     middles, spread = ((0.0,), 0.06) if plan.tables == 1 else ((0.47, -0.47), 0.02)
     tables = [
-        Thing(name, "table", "table", _look(rng), (_near(rng, 1.13, 0.03), _near(rng, y, spread), 0), strokes=strokes)
+        Thing(name, "table", "table", look(rng), (_near(rng, 1.13, 0.03), _near(rng, y, spread), 0), strokes=strokes)
         for name, y in zip((TABLE, SECOND_TABLE), middles, strict=False)
     ]
     places = {
@@ -63,20 +65,20 @@ def make_world(plan: CleanupScene, body: Body, style: str, rng: Rng) -> World:
             name,
             "trash_can",
             WIDE if name == WIDE else NARROW,
-            _look(rng),
+            look(rng),
             places[name],
             opened=name not in plan.closed,
         )
         for name in plan.bins
     ]
-    things = [Thing(n, "movable_object", plan.kinds.get(n, n), _look(rng)) for n in plan.things]
-    world = World((*tables, *bins, *things), body, _look(rng), style, plan.gaze)
+    things = [Thing(n, "movable_object", plan.kinds.get(n, n), look(rng)) for n in plan.things]
+    world = World((*tables, *bins, *things), body, look(rng), style, plan.gaze)
     return arranged(world, plan.things, rng)
 
 
 def arranged(world: World, places: Mapping[str, str], rng: Rng) -> World:
     """``world`` with its small things put to their places and at rest."""
-    taken: dict[str, list[tuple[float, float]]] = {}
+    taken: dict[str, list[Place]] = {}
     lifted = [replace(world.thing(n), at=(3.0 * i, 50.0, 0.0)) for i, n in enumerate(places)]
     posed = world.with_thing(*lifted)
     for name, place in places.items():
@@ -86,7 +88,7 @@ def arranged(world: World, places: Mapping[str, str], rng: Rng) -> World:
     return settled(posed, 1.5)
 
 
-def _spot(world: World, place: str, taken: list[tuple[float, float]], thing: Thing, rng: Rng) -> Vector:
+def _spot(world: World, place: str, taken: list[Place], thing: Thing, rng: Rng) -> Vector:
     rise = rise_of(thing) + 0.01
     if place == FLOOR:
         x, y = _apart(_FLOOR_AREA, taken, rng)
@@ -103,17 +105,10 @@ def _spot(world: World, place: str, taken: list[tuple[float, float]], thing: Thi
     return x, y, min(height, bin_size(under).height + 0.05)
 
 
-def _apart(
-    area: tuple[tuple[float, float], tuple[float, float]], taken: list[tuple[float, float]], rng: Rng
-) -> tuple[float, float]:
+def _apart(area: tuple[Place, Place], taken: list[Place], rng: Rng) -> Place:
     """A place in ``area`` far from those taken: the best of many."""
     (x0, x1), (y0, y1) = area
-    tries = rng.uniform((x0, y0), (x1, y1), size=(30, 2))
-    gaps = [min((math.dist(t, other) for other in taken), default=1.0) for t in tries]
-    good = [i for i, gap in enumerate(gaps) if gap >= _GAP] or [int(np.argmax(gaps))]
-    x, y = (float(v) for v in tries[good[0]])
-    taken.append((x, y))
-    return x, y
+    return apart(rng.uniform((x0, y0), (x1, y1), size=(30, 2)), taken, _GAP)
 
 
 def _turned(rng: Rng) -> Quaternion:
@@ -123,7 +118,3 @@ def _turned(rng: Rng) -> Quaternion:
 
 def _near(rng: Rng, middle: float, spread: float) -> float:
     return float(rng.uniform(middle - spread, middle + spread))
-
-
-def _look(rng: Rng) -> int:
-    return int(rng.integers(2**31))

@@ -10,7 +10,8 @@ from pix2pred.domains.coffee.simulation.motion import cup_below, pressing
 from pix2pred.domains.coffee.skills import handle_reachable
 from pix2pred.domains.coffee.vocabulary import make_object
 from pix2pred.domains.coffee.world import CoffeeWorld
-from pix2pred.structs import Atom, Object, Predicate, groundings
+from pix2pred.domains.given import holding
+from pix2pred.structs import Atom, Object, Predicate
 
 
 class AboveCup(Enum):
@@ -37,10 +38,6 @@ def _above(world: CoffeeWorld, cup: str, above: AboveCup) -> bool:
     return math.dist(tuple(world.spout), tuple(world.cup(cup).mouth)) ** 2 < _TOLERANCE
 
 
-def _above_none(world: CoffeeWorld, above: AboveCup) -> bool:
-    return not any(_above(world, cup.name, above) for cup in world.cups)
-
-
 _CLASSIFIERS: Mapping[str, Callable[[CoffeeWorld, AboveCup, tuple[str, ...]], bool]] = {
     "CupFilled": lambda w, above, args: w.cup(args[0]).filled,
     "Holding": lambda w, above, args: w.jug.held,
@@ -48,7 +45,7 @@ _CLASSIFIERS: Mapping[str, Callable[[CoffeeWorld, AboveCup, tuple[str, ...]], bo
     "HandEmpty": lambda w, above, args: not w.jug.held,
     "RobotAboveCup": lambda w, above, args: _above(w, args[1], above),
     "JugAboveCup": lambda w, above, args: _above(w, args[1], above),
-    "NotAboveCup": lambda w, above, args: _above_none(w, above),
+    "NotAboveCup": lambda w, above, args: not any(_above(w, cup.name, above) for cup in w.cups),
     "PressingButton": lambda w, above, args: pressing(w),
     "NotSameCup": lambda w, above, args: args[0] != args[1],
     "JugPickable": lambda w, above, args: handle_reachable(w),
@@ -69,10 +66,4 @@ def objects_of(world: CoffeeWorld) -> tuple[Object, ...]:
 
 def true_atoms(world: CoffeeWorld, predicates: Iterable[Predicate], above: AboveCup) -> frozenset[Atom]:
     """The atoms that hold, over all type-consistent groundings with distinct objects."""
-    objects = objects_of(world)
-    return frozenset(
-        atom
-        for predicate in predicates
-        for args in groundings(predicate.types, objects, distinct=True)
-        if holds(world, atom := Atom(predicate, args), above)
-    )
+    return holding(predicates, objects_of(world), lambda atom: holds(world, atom, above))

@@ -8,6 +8,7 @@ import numpy as np
 
 from pix2pred.domains.coffee.simulation.geometry import CUP_CAPACITIES, CUP_RADIUS, HOME, TABLE_Z, Point
 from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Gripper, Jug
+from pix2pred.domains.seeds import look
 
 CUP_AREA = ((0.61, 1.0), (1.09, 1.27))
 """x and y of the middles of cups."""
@@ -35,7 +36,7 @@ def initial_world(cups: int, rng: np.random.Generator, turned_away: bool | None 
     sizes = [float(c) for c in rng.choice(CUP_CAPACITIES, size=cups)]
     places = cup_places(sizes, rng)
     made = tuple(Cup(f"cup{i}", x, y, c) for i, (c, (x, y)) in enumerate(zip(sizes, places, strict=True)))
-    return CoffeeWorld(Gripper(HOME), jug, made, look=int(rng.integers(2**31)))
+    return CoffeeWorld(Gripper(HOME), jug, made, look=look(rng))
 
 
 def random_rotation(away: bool, rng: np.random.Generator) -> float:

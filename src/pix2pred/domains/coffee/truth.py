@@ -22,21 +22,13 @@ def _jug_above(world: CoffeeWorld, jug: str, cup: str) -> bool:
     return below is not None and below.name == cup
 
 
-def _jug_on_table(world: CoffeeWorld, jug: str) -> bool:
-    return not world.jug.held and not world.jug_in_machine
-
-
-def _larger(world: CoffeeWorld, a: str, b: str) -> bool:
-    return world.cup(a).capacity > world.cup(b).capacity
-
-
 CONCEPTS: Mapping[str, Concept] = {
     "cup_filled": Concept(("cup",), lambda w, cup: w.cup(cup).filled),
     "cup_receiving": Concept(("cup",), _receiving),
     "jug_filled": Concept(("jug",), lambda w, jug: w.jug.level >= FULL_JUG - 1e-6),
     "jug_has_coffee": Concept(("jug",), lambda w, jug: w.jug.level > 0),
     "jug_in_machine": Concept(("jug", "coffee_machine"), lambda w, jug, machine: w.jug_in_machine),
-    "jug_on_table": Concept(("jug",), _jug_on_table),
+    "jug_on_table": Concept(("jug",), lambda w, jug: not w.jug.held and not w.jug_in_machine),
     "jug_held": Concept(("jug",), lambda w, jug: w.jug.held),
     "jug_tilted": Concept(("jug",), lambda w, jug: abs(w.jug_tilt) > math.radians(20)),
     "jug_above": Concept(("jug", "cup"), _jug_above),
@@ -46,7 +38,7 @@ CONCEPTS: Mapping[str, Concept] = {
     "hand_empty": Concept(("robot",), lambda w, robot: not w.jug.held),
     "holding": Concept(("robot", "jug"), lambda w, robot, jug: w.jug.held),
     "pressing": Concept(("robot", "coffee_machine"), lambda w, robot, machine: pressing(w)),
-    "larger": Concept(("cup", "cup"), _larger),
+    "larger": Concept(("cup", "cup"), lambda w, a, b: w.cup(a).capacity > w.cup(b).capacity),
 }
 """Every word with a ground truth. ``jug_filled``: to the mark, so that it ends with the first cup poured."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import atexit
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,9 @@ from pix2pred.domains.home.drawing.bodies import MOUNTS
 from pix2pred.domains.home.drawing.maker import HEIGHT, WIDTH
 from pix2pred.domains.home.stage import PhysicalScene, scene_key, stage_for
 from pix2pred.domains.home.world import Body, World
-from pix2pred.domains.physics import OpenGLMissingError, mujoco_library
-from pix2pred.domains.physics.library import backend
+from pix2pred.domains.physics import Renderer, boxes_of
 from pix2pred.images.upright import upright, upright_numbers
-from pix2pred.structs import Box, Image, Picture, Pixels
+from pix2pred.structs import Image, Picture, Pixels
 
 LEAST_PIXELS = 60
 """An object of which fewer pixels are seen counts as hidden and gets no box."""
@@ -30,13 +29,8 @@ class Eye:
     """Draws the states of one scene. The OpenGL context is made for the first picture."""
 
     def __init__(self, stage: PhysicalScene) -> None:
-        mujoco, used = mujoco_library(), backend()
-        self._mujoco = mujoco
         self.stage = stage
-        try:
-            self._renderer = mujoco.Renderer(stage.model, HEIGHT, WIDTH)
-        except Exception as error:  # every backend fails in its own way
-            raise OpenGLMissingError(used, error) from error
+        self._renderer = Renderer(stage.model, WIDTH, HEIGHT)
 
     def close(self) -> None:
         """Free the OpenGL context."""
@@ -44,25 +38,17 @@ class Eye:
 
     def pixels(self, camera: str) -> Pixels:
         """What a camera takes, not yet turned upright."""
-        self._look(camera)
-        return np.array(self._renderer.render(), dtype=np.uint8)
+        return self._renderer.pixels(self.stage.data, camera)
 
     def numbers(self, camera: str) -> NDArray[np.int32]:
-        """The geom seen at every pixel, -1 where there is none."""
-        self._renderer.enable_segmentation_rendering()
-        self.stage.clear_glass(hidden=True)  # what is seen through it is seen
-        try:
-            self._look(camera)
-            seen = np.array(self._renderer.render(), dtype=np.int32)
-        finally:
-            self._renderer.disable_segmentation_rendering()
-            self.stage.clear_glass(hidden=False)
-        return np.where(seen[..., 1] == int(self._mujoco.mjtObj.mjOBJ_GEOM), seen[..., 0], -1)
+        """The geom seen at every pixel, -1 where there is none; clear glass is seen through."""
+        with self.stage.without_glass():
+            return self._renderer.numbers(self.stage.data, camera)
 
-    def _look(self, camera: str) -> None:
-        self._renderer.update_scene(self.stage.data, camera=camera)
-        for flag in (self._mujoco.mjtRndFlag.mjRND_SHADOW, self._mujoco.mjtRndFlag.mjRND_REFLECTION):
-            self._renderer.scene.flags[flag] = 0
+    def depth(self, camera: str) -> NDArray[np.float32]:
+        """Metres along the camera's axis at every pixel; clear glass is seen through."""
+        with self.stage.without_glass():
+            return self._renderer.depth(self.stage.data, camera)
 
 
 _EYES: OrderedDict[tuple[Any, ...], Eye] = OrderedDict()
@@ -105,23 +91,8 @@ def picture(world: World, camera: str) -> Picture:
     eye.stage.pose(world)
     pixels = upright(eye.pixels(camera), _UPRIGHT.get(camera, 0))
     numbers = upright_numbers(eye.numbers(camera), _UPRIGHT.get(camera, 0))
-    return Picture(camera, Image.from_pixels(pixels), _boxes(numbers, eye.stage.objects(world)))
-
-
-def _boxes(numbers: NDArray[np.int32], geoms: Mapping[str, Sequence[int]]) -> dict[str, Box]:
-    """The box around every object's visible pixels, if there are enough."""
-    names = sorted(geoms)
-    owner = np.full(int(numbers.max(initial=0)) + 2, -1, dtype=np.int16)  # the last entry is nobody's
-    for i, name in enumerate(names):
-        owner[[g for g in geoms[name] if g < len(owner) - 1]] = i
-    owners = owner[numbers]
-    count = np.bincount(owners.ravel() + 1, minlength=len(names) + 1)[1:]
-    boxes = {}
-    for i, name in enumerate(names):
-        if count[i] >= LEAST_PIXELS:
-            rows, columns = (np.flatnonzero((owners == i).any(axis=axis)) for axis in (1, 0))
-            boxes[name] = Box(float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
-    return boxes
+    objects = eye.stage.objects(world)
+    return Picture(camera, Image.from_pixels(pixels), boxes_of(numbers, objects, dict.fromkeys(objects, LEAST_PIXELS)))
 
 
 def pixels_of(world: World, camera: str) -> Pixels:

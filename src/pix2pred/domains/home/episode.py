@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
+from pix2pred.domains.given import holding
 from pix2pred.domains.home.cameras import camera_names, pictures, pixels_of
 from pix2pred.domains.home.world import World
 from pix2pred.domains.scripted import check_skill
-from pix2pred.structs import Action, Application, Atom, Object, Predicate, Skill, State, Type, groundings
+from pix2pred.structs import Action, Application, Atom, Object, Predicate, Skill, State, Type
 from pix2pred.structs.environment import FrameSink, Step, StepStatus
 from pix2pred.structs.predicates import FromDomain
 from pix2pred.structs.samplers import Features
@@ -56,14 +58,8 @@ class Rules:
 
     def told(self, world: World) -> frozenset[Atom]:
         """The true atoms that the actor knows without looking."""
-        objects = self.objects(world)
-        return frozenset(
-            atom
-            for predicate in self.given
-            if isinstance(predicate.source, FromDomain)
-            for args in groundings(predicate.types, objects, distinct=True)
-            if self.holds(world, atom := Atom(predicate, args))
-        )
+        known = [p for p in self.given if isinstance(p.source, FromDomain)]
+        return holding(known, self.objects(world), partial(self.holds, world))
 
     def observe(self, world: World) -> State:
         """The state seen in ``world``: pictures and what the actor feels; no features."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from enum import Enum
 
 from pix2pred.domains.home.drawing.fixtures import bin_size, table_size
@@ -28,6 +29,17 @@ class Region(Enum):
     JUICE = JUICE_SIDE
 
 
+Place = tuple[float, float]
+
+
+def apart(tries: Iterable[Sequence[float]], taken: list[Place], gap: float) -> Place:
+    """The first of ``tries`` that is ``gap`` away from all ``taken``, else the furthest; it is added to these."""
+    near = [(min((math.dist(t, other) for other in taken), default=1.0), float(t[0]), float(t[1])) for t in tries]
+    _, x, y = next((one for one in near if one[0] >= gap), max(near, key=lambda one: one[0]))
+    taken.append((x, y))
+    return x, y
+
+
 def reachable(thing: Thing) -> bool:
     """Whether the one who acts can reach the thing."""
     return math.hypot(thing.at[0], thing.at[1]) <= REACH
@@ -37,20 +49,18 @@ def in_bin(world: World, name: str, container: str) -> bool:
     """Whether a thing lies inside a bin, its middle not far above the rim."""
     if name == world.holding:
         return False
-    thing, bin_ = world.thing(name), world.thing(container)
+    at, bin_ = world.thing(name).at, world.thing(container)
     size = bin_size(bin_)
-    dx, dy, z = abs(thing.at[0] - bin_.at[0]), abs(thing.at[1] - bin_.at[1]), thing.at[2]
-    return dx <= size.half_x and dy <= size.half_y and 0 <= z <= size.height + 0.03
+    return size.is_under(at, bin_.at) and 0 <= at[2] <= size.height + 0.03
 
 
 def on_table(world: World, name: str, table: str) -> bool:
     """Whether a thing lies on a table."""
     if name == world.holding:
         return False
-    thing, under = world.thing(name), world.thing(table)
+    at, under = world.thing(name).at, world.thing(table)
     size = table_size(under)
-    dx, dy = abs(thing.at[0] - under.at[0]), abs(thing.at[1] - under.at[1])
-    return dx <= size.half_x and dy <= size.half_y and size.height - 0.02 <= thing.at[2] <= size.height + 0.3
+    return size.is_under(at, under.at) and size.height - 0.02 <= at[2] <= size.height + 0.3
 
 
 def things_on(world: World, table: str) -> tuple[str, ...]:

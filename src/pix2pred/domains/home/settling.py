@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -59,7 +59,7 @@ def spilled(world: World, container: str) -> World:
     far = max(
         0.0, 1 - bin_size(bin_).height / (2 * math.hypot(dx, dy))
     )  # the mouth, not the foot, comes over the floor
-    carried = _moved(world, (container, *things_in(world, container)), (far * dx, far * dy, _LIFT))
+    carried = shifted(world, (container, *things_in(world, container)), (far * dx, far * dy, _LIFT))
     foot, towards = carried.thing(container).at, math.atan2(dy, dx)
     stage = stage_for(carried)
     stage.pose(carried)
@@ -72,13 +72,11 @@ def spilled(world: World, container: str) -> World:
     return settled(poured, 1.0)
 
 
-def _moved(world: World, names: Sequence[str], by: Vector) -> World:
-    """``world`` with some things somewhere else."""
-    moved = []
-    for name in names:
-        x, y, z = world.thing(name).at
-        moved.append(replace(world.thing(name), at=(x + by[0], y + by[1], z + by[2])))
-    return world.with_thing(*moved)
+def shifted(world: World, names: Sequence[str], by: Iterable[float]) -> World:
+    """``world`` with some things further along by a vector."""
+    dx, dy, dz = map(float, by)
+    things = map(world.thing, names)
+    return world.with_thing(*(replace(t, at=(t.at[0] + dx, t.at[1] + dy, t.at[2] + dz)) for t in things))
 
 
 def _tipped(towards: float, angle: float) -> Quaternion:

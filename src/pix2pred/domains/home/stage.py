@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +15,7 @@ from pix2pred.domains.home.drawing import bodies, fixtures, vessels
 from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.movables import FRUIT_COLOUR, KINDS
 from pix2pred.domains.home.drawing.room import EVEN, SPOTS, furnish
-from pix2pred.domains.home.world import UPRIGHT, Body, Quaternion, Thing, Vector, World
+from pix2pred.domains.home.world import UPRIGHT, Body, Quaternion, Thing, Vector, World, vector
 from pix2pred.domains.physics import mujoco_library
 
 AWAY: Vector = (0.0, 0.0, -8.0)
@@ -93,11 +94,15 @@ class PhysicalScene:
         mocap = int(self.model.body(name).mocapid[0])
         self.data.mocap_pos[mocap], self.data.mocap_quat[mocap] = at, turn
 
-    def clear_glass(self, *, hidden: bool) -> None:
-        """Leave out the clear walls of hoppers, or show them again."""
-        for geom, number in self._geoms.items():
-            if geom.endswith("/glass"):
-                self.model.geom_rgba[number, 3] = 0.0 if hidden else self._alpha[number]
+    @contextmanager
+    def without_glass(self) -> Iterator[None]:
+        """Leave out the clear walls of hoppers meanwhile."""
+        walls = [number for geom, number in self._geoms.items() if geom.endswith("/glass")]
+        self.model.geom_rgba[walls, 3] = 0.0
+        try:
+            yield
+        finally:
+            self.model.geom_rgba[walls, 3] = self._alpha[walls]
 
     def _place(self, thing: Thing, at: Vector, turn: Quaternion) -> None:
         if is_free(thing):
@@ -171,22 +176,17 @@ class PhysicalScene:
         self.move_fixture("head", eye, bodies.quaternion(bodies.camera_axes(yaw, pitch, 0)))
         held = world.thing(world.holding) if world.holding else None
         where, axes = bodies.hand_frame(eye, yaw, pitch, (0.17, 0.18, 0.52) if held else (0.28, 0.31, 0.52))
-        self.move_fixture("hand", _vector(where), bodies.quaternion(axes))
+        self.move_fixture("hand", vector(where), bodies.quaternion(axes))
         if held:
             reach = 0.115 if held.kind in vessels.VESSELS else 0.075
             below = where + axes @ np.array([reach, 0.0, -0.045])
             if held.kind in vessels.VESSELS:
                 below = below - np.array([0, 0, vessels.VESSELS[held.kind].height * 0.75])
             elif held.squeezed:
-                self.move_fixture(f"{held.name}-rind", _vector(below), UPRIGHT)
+                self.move_fixture(f"{held.name}-rind", vector(below), UPRIGHT)
             turn = math.radians(yaw + 20) / 2
             upright = (math.cos(turn), 0.0, 0.0, math.sin(turn))
-            self._place(held, _vector(below), upright)
-
-
-def _vector(values: Any) -> Vector:
-    x, y, z = map(float, values)
-    return x, y, z
+            self._place(held, vector(below), upright)
 
 
 def gaze_point(world: World) -> Vector:
@@ -205,13 +205,11 @@ def support_height(world: World, x: float, y: float, z: float) -> float | None:
     """Height of the table top or floor under a thing; None inside a bin, where no shadow is drawn."""
     for thing in world.things:
         if thing.kind in ("narrow_bin", "wide_bin"):
-            size = fixtures.bin_size(thing)
-            if abs(x - thing.at[0]) < size.half_x + 0.02 and abs(y - thing.at[1]) < size.half_y + 0.02:
+            if fixtures.bin_size(thing).is_under((x, y), thing.at, 0.02):
                 return None
         elif thing.kind in fixtures.TOPS:
             top = fixtures.table_size(thing)
-            over = abs(x - thing.at[0]) < top.half_x and abs(y - thing.at[1]) < top.half_y
-            if over and z > top.height - 0.02:
+            if top.is_under((x, y), thing.at) and z > top.height - 0.02:
                 return top.height
     return 0.0
 

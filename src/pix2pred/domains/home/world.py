@@ -7,7 +7,7 @@ Whatever moves lies where the physics left it; its place is the middle of its bo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import Any
@@ -15,8 +15,14 @@ from typing import Any
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
-UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
+def vector(values: Iterable[float]) -> Vector:
+    """Three numbers, of an array or otherwise, as a vector."""
+    x, y, z = map(float, values)
+    return x, y, z
+
+
+UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 SCENERY = "scenery"
 """The type of things that are no objects of the task, such as the counter under a juicer."""
@@ -125,14 +131,13 @@ class World:
 
 
 def _thing(data: Mapping[str, Any]) -> Thing:
-    x, y, z = map(float, data["at"])
     a, b, c, d = map(float, data["turn"])
     return Thing(
         str(data["name"]),
         str(data["type"]),
         str(data["kind"]),
         int(data["look"]),
-        (x, y, z),
+        vector(data["at"]),
         (a, b, c, d),
         tuple(map(int, data["strokes"])),
         tuple(map(str, data["contents"])),

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
 from pix2pred.domains.home.domain import Recipe, Start, StartMaker
-from pix2pred.domains.home.world import Body, World
+from pix2pred.domains.home.world import Body
 from pix2pred.domains.juice.party import BANQUET, PartyCup, PartyJuicer, lay_out
 from pix2pred.domains.juice.scenes import JUICER, Cup, Plan, make_world
 
@@ -21,10 +22,7 @@ DRINKS = ("coffee", "cola", "tea")
 
 
 def _shown(name: str, plan: Plan, skills: Sequence[str], goal: Sequence[str]) -> Recipe:
-    def start(rng: Rng) -> World:
-        return make_world(plan, Body.HUMAN, "home", rng)
-
-    return Recipe(name, start, tuple(skills), tuple(goal))
+    return Recipe(name, partial(make_world, plan, Body.HUMAN, "home"), tuple(skills), tuple(goal))
 
 
 def _in(fruit: str) -> list[str]:

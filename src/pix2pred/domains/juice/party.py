@@ -11,7 +11,8 @@ from pix2pred.domains.home.drawing.fixtures import table_size
 from pix2pred.domains.home.places import Region, region_middle
 from pix2pred.domains.home.settling import rise_of, settled
 from pix2pred.domains.home.world import SCENERY, Body, Thing, World
-from pix2pred.domains.juice.scenes import cup_at, fruit_in, look, squeezed_at
+from pix2pred.domains.juice.scenes import cup_at, fruit_in, squeezed_at
+from pix2pred.domains.seeds import look
 
 Rng = np.random.Generator
 

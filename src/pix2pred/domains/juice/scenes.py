@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pix2pred.domains.home.drawing.fixtures import table_size
 from pix2pred.domains.home.drawing.vessels import HOPPER_BOTTOM, RIND_PLACE
-from pix2pred.domains.home.places import Region, region_middle
+from pix2pred.domains.home.places import Place, Region, apart, region_middle
 from pix2pred.domains.home.settling import rise_of, settled
 from pix2pred.domains.home.world import SCENERY, Body, Thing, Vector, World
 from pix2pred.domains.juice.skills import FULL
+from pix2pred.domains.seeds import look
 
 Rng = np.random.Generator
 
@@ -47,7 +47,6 @@ class Plan:
     opened: bool = True
     powered: bool = True
     gaze: str = ""
-    kinds: Mapping[str, str] = field(default_factory=dict)
 
 
 def make_world(plan: Plan, body: Body, style: str, rng: Rng) -> World:
@@ -56,13 +55,13 @@ def make_world(plan: Plan, body: Body, style: str, rng: Rng) -> World:
     top = table_size(counter).height
     place = (float(rng.uniform(1.05, 1.10)), float(rng.uniform(-0.05, 0.05)), top)
     juicer = Thing(JUICER, "juicer", "juicer", look(rng), place, opened=plan.opened, powered=plan.powered)
-    taken: list[tuple[float, float]] = []
+    taken: list[Place] = []
     cups = [_cup(name, cup, juicer, taken, rng) for name, cup in plan.cups.items()]
     fruits = [_fruit(name, plan, juicer, taken, rng) for name in plan.fruits]
     return settled(World((counter, juicer, *cups, *fruits), body, look(rng), style, plan.gaze), 0.8)
 
 
-def _cup(name: str, cup: Cup, juicer: Thing, taken: list[tuple[float, float]], rng: Rng) -> Thing:
+def _cup(name: str, cup: Cup, juicer: Thing, taken: list[Place], rng: Rng) -> Thing:
     made = cup_at(name, cup.kind, cup.contents, (0.0, 0.0, juicer.at[2]), rng)
     if cup.place in REGION_OF:
         x, y, z = region_middle(juicer, REGION_OF[cup.place])
@@ -76,36 +75,27 @@ def cup_at(name: str, kind: str, contents: Sequence[str], at: Vector, rng: Rng) 
     return Thing(name, "container", kind, look(rng), at, contents=tuple(contents), amount=FULL * bool(contents))
 
 
-def aside(taken: list[tuple[float, float]], rng: Rng) -> tuple[float, float]:
+def aside(taken: list[Place], rng: Rng) -> Place:
     """A free place for a vessel at the left or right of the counter: the best of many."""
     (x0, x1), (y0, y1) = _ASIDE
     tries = rng.uniform((x0, y0), (x1, y1), size=(30, 2)) * rng.choice([(1, -1), (1, 1)], size=30)
-    return _apart(tries, taken)
+    return apart(tries, taken, _GAP)
 
 
-def front(taken: list[tuple[float, float]], rng: Rng) -> tuple[float, float]:
+def front(taken: list[Place], rng: Rng) -> Place:
     """A free place for a fruit at the front edge of the counter."""
     tries = np.stack(
         [rng.uniform(*_FRONT, size=30), rng.uniform(0.12, 0.36, size=30) * rng.choice((-1, 1), size=30)], 1
     )
-    return _apart(tries, taken)
+    return apart(tries, taken, _GAP)
 
 
-def _apart(tries: np.ndarray, taken: list[tuple[float, float]]) -> tuple[float, float]:
-    gaps = [min((math.dist(t, other) for other in taken), default=1.0) for t in tries]
-    good = [i for i, gap in enumerate(gaps) if gap >= _GAP] or [int(np.argmax(gaps))]
-    x, y = (float(v) for v in tries[good[0]])
-    taken.append((x, y))
-    return x, y
-
-
-def _fruit(name: str, plan: Plan, juicer: Thing, taken: list[tuple[float, float]], rng: Rng) -> Thing:
-    kind = plan.kinds.get(name, name)
+def _fruit(name: str, plan: Plan, juicer: Thing, taken: list[Place], rng: Rng) -> Thing:
     if name in plan.inside:
-        return replace(fruit_in(juicer, kind, list(plan.inside).index(name), rng), name=name)
+        return fruit_in(juicer, name, list(plan.inside).index(name), rng)
     if name in plan.squeezed:
-        return replace(squeezed_at(juicer, kind, list(plan.squeezed).index(name), rng), name=name)
-    made = Thing(name, "movable_object", kind, look(rng))
+        return squeezed_at(juicer, name, list(plan.squeezed).index(name), rng)
+    made = Thing(name, "movable_object", name, look(rng))
     x, y = front(taken, rng)
     return replace(made, at=(x, y, juicer.at[2] + rise_of(made) + 0.003))
 
@@ -123,8 +113,3 @@ def squeezed_at(juicer: Thing, kind: str, number: int, rng: Rng) -> Thing:
     x, y, z = juicer.at
     at = (x + RIND_PLACE[0] - 0.075 * number, y, z + 0.009)
     return Thing(kind, "movable_object", kind, look(rng), at, squeezed=True)
-
-
-def look(rng: Rng) -> int:
-    """The seed of a thing's colours and size."""
-    return int(rng.integers(2**31))

@@ -10,11 +10,6 @@ from pix2pred.domains.home.world import World
 from pix2pred.domains.juice.rules import juice_of
 from pix2pred.domains.words import Concept, TrueWords
 
-
-def _outside(world: World, fruit: str) -> bool:
-    return not any(in_hopper(world, fruit, j.name) for j in world.of_type("juicer"))
-
-
 CONCEPTS: Mapping[str, Concept] = {
     "is_cup": Concept(("container",), lambda w, c: VESSELS[w.thing(c).kind].cup),
     "is_plastic": Concept(("container",), lambda w, c: VESSELS[w.thing(c).kind].plastic),
@@ -22,7 +17,7 @@ CONCEPTS: Mapping[str, Concept] = {
     "container_held": Concept(("container",), lambda w, c: w.holding == c),
     "juice_region": Concept(("container", "juicer"), lambda w, c, j: in_region(w, c, j, Region.JUICE)),
     "waste_region": Concept(("container", "juicer"), lambda w, c, j: in_region(w, c, j, Region.WASTE)),
-    "outside": Concept(("movable_object",), _outside),
+    "outside": Concept(("movable_object",), lambda w, m: not any(in_hopper(w, m, j.name) for j in w.of_type("juicer"))),
     "fruit_held": Concept(("movable_object",), lambda w, m: w.holding == m),
     "squeezed": Concept(("movable_object",), lambda w, m: w.thing(m).squeezed),
     "inside": Concept(("movable_object", "juicer"), in_hopper),

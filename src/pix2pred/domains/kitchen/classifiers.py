@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from pix2pred.domains.given import holding
 from pix2pred.domains.kitchen.vocabulary import KETTLE_BOILING, LINKED, OBJECTS
 from pix2pred.domains.physics import mujoco_library
-from pix2pred.structs import Atom, groundings
+from pix2pred.structs import Atom
 from pix2pred.structs.samplers import Features
 
 ON_ANGLE = -0.22
@@ -101,9 +103,4 @@ def holds(data: Any, atom: Atom) -> bool:
 
 def true_atoms(data: Any) -> frozenset[Atom]:
     """The given atoms that hold."""
-    return frozenset(
-        atom
-        for predicate in (KETTLE_BOILING, LINKED)
-        for args in groundings(predicate.types, OBJECTS, distinct=True)
-        if holds(data, atom := Atom(predicate, args))
-    )
+    return holding((KETTLE_BOILING, LINKED), OBJECTS, partial(holds, data))

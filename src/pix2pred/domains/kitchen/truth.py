@@ -12,29 +12,15 @@ from pix2pred.domains.kitchen.vocabulary import OBJECTS
 from pix2pred.domains.kitchen.world import KitchenWorld
 from pix2pred.domains.words import Concept, TrueWords
 
-
-def _burner_on(data: Any, burner: str) -> bool:
-    return is_on(data, f"knob{burner[-1]}")
-
-
-def _has_kettle(data: Any, burner: str) -> bool:
-    return is_kettle_on(data, burner)
-
-
-def _kettle_on(data: Any, kettle: str, burner: str) -> bool:
-    return is_kettle_on(data, burner)
-
-
-def _gripper_aside(data: Any, gripper: str) -> bool:
-    return bool(data.site("end_effector").xpos[0] > 0.3)
-
+ASIDE = 0.3
+"""x of the gripper (metres) beyond which it is aside."""
 
 CONCEPTS: Mapping[str, Concept] = {
-    "burner_on": Concept(("surface",), _burner_on),
-    "has_kettle": Concept(("surface",), _has_kettle),
+    "burner_on": Concept(("surface",), lambda data, burner: is_on(data, f"knob{burner[-1]}")),
+    "has_kettle": Concept(("surface",), is_kettle_on),
     "knob_turned": Concept(("knob",), is_on),
-    "kettle_on": Concept(("kettle", "surface"), _kettle_on),
-    "gripper_aside": Concept(("gripper",), _gripper_aside),
+    "kettle_on": Concept(("kettle", "surface"), lambda data, kettle, burner: is_kettle_on(data, burner)),
+    "gripper_aside": Concept(("gripper",), lambda data, gripper: bool(data.site("end_effector").xpos[0] > ASIDE)),
 }
 """Every word with a ground truth."""
 

@@ -13,7 +13,6 @@ from pix2pred.predicates import Abstraction, StateLabeller, StateLabels
 from pix2pred.predicates.labelling.again import WORDINGS, SecondLook
 from pix2pred.structs import (
     AbstractState,
-    Action,
     Atom,
     GroundOperator,
     Label,
@@ -105,7 +104,7 @@ class AtTheirWord:
         return self.state
 
     def advance(self, step: GroundOperator, state: State, reported: StepStatus | None) -> AbstractState:
-        self.state = self._abstraction.advance(Action(step.operator.skill, step.skill_objects), state)
+        self.state = self._abstraction.advance(step.action, state)
         return self.state
 
     def relist(self, given: Iterable[Atom]) -> AbstractState:
@@ -177,7 +176,7 @@ class BelievingPerception:
         self._shown, self._looks = state, self._looks + 1
         self._asked = set() if reported in (None, StepStatus.DONE) else self._asked
         self._left = self._how.ask_again
-        held = self._abstraction.advance(Action(step.operator.skill, step.skill_objects), state)
+        held = self._abstraction.advance(step.action, state)
         self.belief.advance(step, reported, self._given(held), self._readings())
         return self.state
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from pix2pred.execution.belief.perception import Believing, Perception
 from pix2pred.execution.belief.unlabelled import unlabelled
 from pix2pred.execution.explaining.missing import Missing, missing
-from pix2pred.execution.explaining.rests import Need, needs
+from pix2pred.execution.explaining.rests import Need, initial_needs, needs
 from pix2pred.execution.solver import Solver
 from pix2pred.predicates import StateLabels
 from pix2pred.predicates.labelling.explanations import explanations
@@ -43,7 +43,7 @@ class PlannedScene:
     @property
     def actions(self) -> tuple[str, ...]:
         """The skills of the plan, as ``Pick(robot, cup)``."""
-        return tuple(f"{s.operator.skill.name}({', '.join(o.name for o in s.skill_objects)})" for s in self.result.plan)
+        return tuple(str(step.action) for step in self.result.plan)
 
     @cached_property
     def needs(self) -> tuple[tuple[Need, ...], ...]:
@@ -53,7 +53,7 @@ class PlannedScene:
     @cached_property
     def rests_on(self) -> tuple[Atom, ...]:
         """The atoms of the initial state that the plan needs."""
-        return tuple(sorted({n.atom for step in self.needs for n in step if n.by is None}))
+        return tuple(sorted(initial_needs(self.result.plan, self.task.goal))) if self.solved else ()
 
     @cached_property
     def unlabelled(self) -> tuple[Atom, ...]:
@@ -81,7 +81,7 @@ class PlannedScene:
         found = self.solver.plan_from(self.task, self.seen | set(self.unlabelled))
         if found.status != PlanStatus.SOLVED:
             return ()
-        used = {n.atom for step in needs(found.plan, self.task.goal) for n in step if n.by is None}
+        used = initial_needs(found.plan, self.task.goal)
         return tuple(a for a in self.unlabelled if a in used)
 
 

@@ -37,8 +37,6 @@ TWICE = (
 ALL_OTHERS_FALSE = "All other predicates below: False"
 """Ends the values of an earlier state where only what is not false is named: most is false, and is listed below."""
 
-NEGATED = {Label.TRUE: Label.FALSE, Label.FALSE: Label.TRUE, Label.UNKNOWN: Label.UNKNOWN}
-
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
@@ -122,7 +120,10 @@ class FrugalLabeller:
         words = {atom: _words(atom, self.settings.words_per_meaning) for atom in atoms}
         asked = [form for forms in words.values() for form, _ in forms]
         said = self._labels(stretch, asked)[-1]
-        values = {atom: _majority([_turned(said.values[f], n) for f, n in forms]) for atom, forms in words.items()}
+        values = {
+            atom: _majority([said.values[f].contrary if n else said.values[f] for f, n in forms])
+            for atom, forms in words.items()
+        }
         texts = {atom_text(atom) for atom in atoms}
         gaps = [replace(gap, atoms=tuple(t for t in gap.atoms if t in texts)) for gap in said.gaps]
         sure = {atom: said.confidence[atom] for atom in atoms if atom in said.confidence}
@@ -221,10 +222,6 @@ def _words(atom: Atom, count: int) -> list[tuple[Atom, bool]]:
                 (Atom(replace(atom.predicate, name=name, source=said, description=meaning), atom.objects), negated)
             )
     return forms
-
-
-def _turned(label: Label, negated: bool) -> Label:
-    return NEGATED[label] if negated else label
 
 
 def _majority(labels: Sequence[Label]) -> Label:

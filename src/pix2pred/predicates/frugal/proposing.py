@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from pix2pred.predicates.frugal.definitions import (
-    Definition,
     defined_lines,
     is_placeholder,
     read_definition,
     skill_lines,
 )
 from pix2pred.predicates.prompt import action_text, fill, kind_lines, meaning_lines, object_lines
+from pix2pred.predicates.proposing.lift import lift
 from pix2pred.predicates.proposing.parse_atoms import clean, mentions
 from pix2pred.predicates.proposing.propose import (
     ANSWER_TOKENS,
@@ -27,7 +27,7 @@ from pix2pred.predicates.proposing.propose import (
     parts_of,
     refuse_empty,
 )
-from pix2pred.structs import Candidate, Demo, FromVLM, Predicate, Skill, Type
+from pix2pred.structs import Demo, FromVLM, Predicate, Skill
 from pix2pred.structs.goals.opposites import affirmed
 from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm import VLM, Purpose, Request
@@ -58,7 +58,7 @@ def propose_words(
     proposals: list[Proposal] = []
     for done, demo in enumerate(chosen, start=1):
         for part in parts_of(demo, max_pictures):
-            known = [c.predicate for c in lift_words(proposals)]
+            known = [c.predicate for c in lift(proposals)]
             proposals.append(
                 answered_proposal(
                     demo.name,
@@ -177,36 +177,3 @@ def _names(predicate: Predicate, atom: ProposedAtom) -> bool:
 
 def _spelled(word: str) -> str:
     return word.replace("_", "").lower()
-
-
-def lift_words(proposals: Iterable[Proposal], taken: Iterable[str] = ()) -> tuple[Candidate, ...]:
-    """The pool: one predicate per word and types of arguments, with the first definition that was given of it.
-
-    A word that an earlier line names as a word for the same or the contrary is not a predicate of its own. Names are
-    numbered as in the published protocol. ``taken`` are names already in use.
-    """
-    definitions: dict[tuple[str, tuple[Type, ...]], Definition] = {}
-    by_word: dict[str, Definition] = {}
-    covered: set[tuple[str, tuple[Type, ...]]] = set()
-    for atom in (atom for proposal in proposals for atom in proposal.accepted):
-        types = tuple(o.type for o in atom.objects)
-        if (atom.name, types) in covered or (atom.name, types) in definitions:
-            continue
-        definition = atom.definition or Definition()
-        if not definition.meaning:
-            definition = by_word.get(atom.name, definition)
-        by_word.setdefault(atom.name, definition)
-        definitions[atom.name, types] = definition
-        covered |= {(word, types) for word in (*definition.also, *definition.opposite)}
-    used = set(taken)
-    pool, numbers = [], dict[str, int]()
-    for word, types in sorted(definitions, key=lambda key: (key[0], [t.name for t in key[1]])):
-        number = numbers[word] = numbers.get(word, -1) + 1
-        name = f"{word}{number}"
-        while name in used:
-            name = f"{word}_{number}" if name == f"{word}{number}" else name + "_"
-        used.add(name)
-        one = definitions[word, types]
-        source = FromVLM(word, one.also, one.opposite, one.changes)
-        pool.append(Candidate(Predicate(name, types, source, one.meaning), float(len(types))))
-    return tuple(sorted(pool))

@@ -4,26 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from pix2pred.predicates.frugal.definitions import Definition
 from pix2pred.predicates.proposing.propose import Proposal
 from pix2pred.structs import Candidate, FromVLM, Predicate, Type
 
 
 def lift(proposals: Iterable[Proposal], taken: Iterable[str] = ()) -> tuple[Candidate, ...]:
-    """The pool: one predicate per distinct (name, object types), numbered per name (method 2.4, 2.5).
+    """The pool: one predicate per word and types of arguments, with the first definition that was given of it, if any.
 
-    ``taken`` are names already in use. A visual predicate costs its arity (4.5).
+    A word that an earlier line names as a word for the same or the contrary is not a predicate of its own. Names are
+    numbered per word. ``taken`` are names already in use. A visual predicate costs its arity (4.5).
     """
-    signatures: dict[str, set[tuple[Type, ...]]] = {}
-    for proposal in proposals:
-        for atom in proposal.accepted:
-            signatures.setdefault(atom.name, set()).add(tuple(o.type for o in atom.objects))
+    definitions: dict[tuple[str, tuple[Type, ...]], Definition] = {}
+    by_word: dict[str, Definition] = {}
+    covered: set[tuple[str, tuple[Type, ...]]] = set()
+    for atom in (atom for proposal in proposals for atom in proposal.accepted):
+        types = tuple(o.type for o in atom.objects)
+        if (atom.name, types) in covered or (atom.name, types) in definitions:
+            continue
+        definition = atom.definition or Definition()
+        if not definition.meaning:
+            definition = by_word.get(atom.name, definition)
+        by_word.setdefault(atom.name, definition)
+        definitions[atom.name, types] = definition
+        covered |= {(word, types) for word in (*definition.also, *definition.opposite)}
     used = set(taken)
-    pool = []
-    for base in sorted(signatures):
-        for i, types in enumerate(sorted(signatures[base], key=lambda ts: [t.name for t in ts])):
-            name = f"{base}{i}"
-            while name in used:
-                name = f"{base}_{i}" if name == f"{base}{i}" else name + "_"
-            used.add(name)
-            pool.append(Candidate(Predicate(name, types, FromVLM(base)), float(len(types))))
+    pool, numbers = [], dict[str, int]()
+    for word, types in sorted(definitions, key=lambda key: (key[0], [t.name for t in key[1]])):
+        number = numbers[word] = numbers.get(word, -1) + 1
+        name = f"{word}{number}"
+        while name in used:
+            name = f"{word}_{number}" if name == f"{word}{number}" else name + "_"
+        used.add(name)
+        one = definitions[word, types]
+        source = FromVLM(word, one.also, one.opposite, one.changes)
+        pool.append(Candidate(Predicate(name, types, source, one.meaning), float(len(types))))
     return tuple(sorted(pool))

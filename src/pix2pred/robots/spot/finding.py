@@ -88,13 +88,7 @@ class ByBridge:
         wanted = {o.name for o in objects}
         masks = {o.name: turned == o.id for o in answer.object_in_image if o.name in wanted}
         masks = {name: mask for name, mask in masks.items() if int(mask.sum()) >= LEAST_PIXELS}
-        return Outlines({name: box_of(mask) for name, mask in masks.items()}, masks)
-
-
-def box_of(mask: Mask) -> Box:
-    """The box around an object's pixels."""
-    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
-    return Box(float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
+        return Outlines({name: Box.around(mask) for name, mask in masks.items()}, masks)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

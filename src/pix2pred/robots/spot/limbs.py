@@ -44,8 +44,7 @@ class Limbs:
             way = legs.se2_trajectory_feedback
             if way.final_goal_status == way.FINAL_GOAL_STATUS_BLOCKED:
                 raise FailedError("the way is blocked")
-            if legs.status != _STATUS.STATUS_PROCESSING:
-                raise self._ended(_STATUS.Status.Name(legs.status))
+            self._going_on(legs)
             settled = way.body_movement_status == way.BODY_STATUS_SETTLED
             return bool(way.status == way.STATUS_AT_GOAL and settled)
 
@@ -53,7 +52,16 @@ class Limbs:
 
     def carry(self) -> None:
         """Hold what was taken in front of the body."""
-        self._named_position(RobotCommandBuilder.arm_carry_command())
+        number = self._session.command(RobotCommandBuilder.arm_carry_command())
+
+        def arrived(feedback: Any) -> bool:
+            arm = self._going_on(feedback.synchronized_feedback.arm_command_feedback)
+            way = arm.named_arm_position_feedback
+            if way.status == way.STATUS_STALLED_HOLDING_ITEM:
+                raise FailedError("the arm cannot be folded with what it holds")
+            return bool(way.status == way.STATUS_COMPLETE)
+
+        self._wait(number, arrived, self._settings.deadlines.arm, "moving the arm")
 
     def hand(self, path: Sequence[Pose], frame: str, seconds: float = 0.0) -> None:
         """Move the hand through ``path``, seen from ``frame``, in no less than ``seconds``."""
@@ -63,9 +71,7 @@ class Limbs:
         number = self._session.command(command)
 
         def arrived(feedback: Any) -> bool:
-            arm = feedback.synchronized_feedback.arm_command_feedback
-            if arm.status != _STATUS.STATUS_PROCESSING:
-                raise self._ended(_STATUS.Status.Name(arm.status))
+            arm = self._going_on(feedback.synchronized_feedback.arm_command_feedback)
             way = arm.arm_cartesian_feedback
             if way.status in (way.STATUS_TRAJECTORY_STALLED, way.STATUS_TRAJECTORY_CANCELLED):
                 raise FailedError("the hand did not get to where it was sent")
@@ -114,20 +120,6 @@ class Limbs:
         self._session.check()
         raise FailedError("the grasp did not end in time")
 
-    def _named_position(self, command: Any) -> None:
-        number = self._session.command(command)
-
-        def arrived(feedback: Any) -> bool:
-            arm = feedback.synchronized_feedback.arm_command_feedback
-            if arm.status != _STATUS.STATUS_PROCESSING:
-                raise self._ended(_STATUS.Status.Name(arm.status))
-            named_position = arm.named_arm_position_feedback
-            if named_position.status == named_position.STATUS_STALLED_HOLDING_ITEM:
-                raise FailedError("the arm cannot be folded with what it holds")
-            return bool(named_position.status == named_position.STATUS_COMPLETE)
-
-        self._wait(number, arrived, self._settings.deadlines.arm, "moving the arm")
-
     def _fingers(self, command: Any) -> None:
         number = self._session.command(command)
 
@@ -150,15 +142,14 @@ class Limbs:
         self._session.check()
         raise FailedError(f"{doing} did not end within {lasts:g} s")
 
-    def _ended(self, status: str) -> Exception:
-        """Why a motion is not going on: what is wrong with the robot, else that it was overridden."""
-        try:
-            self._session.check()
-        except RobotError as error:
-            return error
+    def _going_on(self, part: Any) -> Any:
+        """The feedback of legs or arm. Raises what is wrong with the robot, else that it was overridden."""
+        if part.status == _STATUS.STATUS_PROCESSING:
+            return part
+        self._session.check()
         if not self._session.owns():
-            return RobotError(Outcome.LEASE_LOST, "somebody else commands the robot; give it back and try again")
-        return FailedError(f"it was not gone on with ({status})")
+            raise RobotError(Outcome.LEASE_LOST, "somebody else commands the robot; give it back and try again")
+        raise FailedError(f"it was not gone on with ({_STATUS.Status.Name(part.status)})")
 
 
 CHECK_EVERY = 0.5

@@ -26,44 +26,40 @@ _SMOOTH: Mapping[str, Any] = {"priority": 1, "friction": [0.25, 0.005, 0.001]}
 
 
 @dataclass(frozen=True, slots=True)
-class TableSize:
-    """Half sizes of the top, and how high it is."""
+class Extent:
+    """Half sizes of the top of a table or the inside of a bin, and how high it is."""
 
     half_x: float
     half_y: float
     height: float
 
+    def is_under(self, at: Sequence[float], middle: Sequence[float], margin: float = 0.0) -> bool:
+        """Whether ``at`` is over it, or beside it by no more than ``margin``, where its own middle is at ``middle``."""
+        dx, dy = abs(at[0] - middle[0]), abs(at[1] - middle[1])
+        return bool(dx <= self.half_x + margin and dy <= self.half_y + margin)
+
 
 _SIZES = {
-    "counter": TableSize(0.36, 0.66, 0.62),
-    "buffet": TableSize(0.51, 1.08, 0.42),
-    "banquet": TableSize(0.65, 1.08, 0.42),
+    "counter": Extent(0.36, 0.66, 0.62),
+    "buffet": Extent(0.51, 1.08, 0.42),
+    "banquet": Extent(0.65, 1.08, 0.42),
 }
 TOPS = ("table", *_SIZES)
 """Kinds of things that have a top to put something on."""
 
 
-def table_size(thing: Thing) -> TableSize:
+def table_size(thing: Thing) -> Extent:
     """The size of a table: a low one to clean, a counter, or a buffet for many."""
     if thing.kind in _SIZES:
         return _SIZES[thing.kind]
     rng = np.random.default_rng(thing.look)
-    return TableSize(float(rng.uniform(0.27, 0.32)), float(rng.uniform(0.36, 0.44)), float(rng.uniform(0.44, 0.52)))
+    return Extent(float(rng.uniform(0.27, 0.32)), float(rng.uniform(0.36, 0.44)), float(rng.uniform(0.44, 0.52)))
 
 
-@dataclass(frozen=True, slots=True)
-class BinSize:
-    """Half sizes of a bin's inside, and its height."""
-
-    half_x: float
-    half_y: float
-    height: float
+_BINS = {"narrow_bin": Extent(0.12, 0.12, 0.32), "wide_bin": Extent(0.24, 0.18, 0.20)}
 
 
-_BINS = {"narrow_bin": BinSize(0.12, 0.12, 0.32), "wide_bin": BinSize(0.24, 0.18, 0.20)}
-
-
-def bin_size(thing: Thing) -> BinSize:
+def bin_size(thing: Thing) -> Extent:
     """The inside of a bin."""
     return _BINS[thing.kind]
 

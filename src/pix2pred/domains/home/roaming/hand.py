@@ -17,9 +17,9 @@ from pix2pred.domains.home.drawing.fixtures import bin_size, stroke_points, tabl
 from pix2pred.domains.home.drawing.movables import KINDS
 from pix2pred.domains.home.drawing.vessels import HOPPER_RADIUS, HOPPER_TOP, VESSELS
 from pix2pred.domains.home.places import on_table
-from pix2pred.domains.home.settling import settled
+from pix2pred.domains.home.settling import settled, shifted
 from pix2pred.domains.home.stage import stage_for
-from pix2pred.domains.home.world import UPRIGHT, Machine, Thing, World
+from pix2pred.domains.home.world import UPRIGHT, Machine, Thing, World, vector
 from pix2pred.structs.space.poses import Array, Pose, axes_of, quaternion_of
 
 SETTLING = 0.4
@@ -126,8 +126,7 @@ def _tables_under(world: World, at: Array) -> list[Thing]:
     found = []
     for table in world.of_type("table"):
         size = table_size(table)
-        inside = abs(at[0] - table.at[0]) <= size.half_x + 0.1 and abs(at[1] - table.at[1]) <= size.half_y + 0.1
-        if inside and -TOUCHING <= at[2] - size.height - 0.055 <= TOUCHING:
+        if size.is_under(at.tolist(), table.at, 0.1) and -TOUCHING <= at[2] - size.height - 0.055 <= TOUCHING:
             found.append(table)
     return found
 
@@ -213,7 +212,7 @@ def _carried(world: World, wielded: Wielded, path: Sequence[Pose]) -> World:
     for start, end in itertools.pairwise(path):
         first, last = start * wielded.seen_from_hand, end * wielded.seen_from_hand
         if not running and start.angle_to(end) < 1e-3:
-            world = _shifted(world, (name, *contents), last.at - np.array(world.thing(name).at))
+            world = shifted(world, (name, *contents), last.at - np.array(world.thing(name).at))
             continue
         if not running:
             stage.pose(world)
@@ -224,15 +223,13 @@ def _carried(world: World, wielded: Wielded, path: Sequence[Pose]) -> World:
         steps = math.ceil(seconds / float(stage.model.opt.timestep))
         for k in range(1, steps + 1):
             now = start.towards(end, k / steps) * wielded.seen_from_hand
-            stage.move_fixture(name, (float(now.at[0]), float(now.at[1]), float(now.at[2])), quaternion_of(now.axes))
+            stage.move_fixture(name, vector(now.at), quaternion_of(now.axes))
             stage.advance()
     if running:
         world = stage.moved(world)
         end_pose = path[-1] * wielded.seen_from_hand
-        x, y, z = (float(v) for v in end_pose.at)
-        world = settled(
-            world.with_thing(replace(world.thing(name), at=(x, y, z), turn=quaternion_of(end_pose.axes))), 1.0
-        )
+        put = replace(world.thing(name), at=vector(end_pose.at), turn=quaternion_of(end_pose.axes))
+        world = settled(world.with_thing(put), 1.0)
     return world
 
 
@@ -243,19 +240,10 @@ def inside_of(world: World, name: str) -> tuple[str, ...]:
     found = []
     for thing in world.of_type("movable_object"):
         x, y, z = frame.points(np.array(thing.at))
-        within = abs(x) <= size.half_x and abs(y) <= size.half_y and 0 <= z <= size.height + 0.03
+        within = size.is_under((x, y), (0, 0)) and 0 <= z <= size.height + 0.03
         if within and thing.name != world.holding:
             found.append(thing.name)
     return tuple(found)
-
-
-def _shifted(world: World, names: Sequence[str], by: Array) -> World:
-    return world.with_thing(
-        *(
-            replace(t, at=(t.at[0] + float(by[0]), t.at[1] + float(by[1]), t.at[2] + float(by[2])))
-            for t in map(world.thing, names)
-        )
-    )
 
 
 def stood_down(world: World, name: str) -> World:
@@ -263,7 +251,7 @@ def stood_down(world: World, name: str) -> World:
     thing = world.thing(name)
     x, y, z = thing.at
     if math.acos(min(1.0, abs(thing.turn[0]))) < 0.1:
-        world = _shifted(world, (name, *inside_of(world, name)), np.array([0.0, 0.0, -z]))
+        world = shifted(world, (name, *inside_of(world, name)), (0.0, 0.0, -z))
     return settled(world.with_thing(replace(world.thing(name), at=(x, y, 0.0), turn=UPRIGHT)), 1.0)
 
 
@@ -274,6 +262,6 @@ def put_down(world: World, vessel: Thing, at: tuple[float, float]) -> World:
     for thing in world.things:
         if thing.kind in ("table", "counter"):
             size = table_size(thing)
-            if abs(x - thing.at[0]) <= size.half_x and abs(y - thing.at[1]) <= size.half_y:
+            if size.is_under(at, thing.at):
                 height = max(height, size.height)
     return replace(world.with_thing(replace(vessel, at=(x, y, height))), holding=None)

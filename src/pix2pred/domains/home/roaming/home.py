@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pix2pred.domains.home.cameras import Eye
 from pix2pred.domains.home.drawing.fixtures import bin_size, table_size
 from pix2pred.domains.home.places import in_bin
 from pix2pred.domains.home.roaming import hand as effects
-from pix2pred.domains.home.roaming.eye import RoamingEye
 from pix2pred.domains.home.roaming.hand import Held, Wielded
 from pix2pred.domains.home.roaming.robot import cameras, make_roaming_robot, pose_robot
 from pix2pred.domains.home.settling import let_go, rise_of, settled
 from pix2pred.domains.home.stage import PhysicalScene, is_free
-from pix2pred.domains.home.world import SCENERY, Machine, Thing, World, no_machine
+from pix2pred.domains.home.world import SCENERY, Machine, Thing, World, no_machine, vector
 from pix2pred.domains.physics import mujoco_library
 from pix2pred.structs.space.poses import Array, FloorPose, Pose
 from pix2pred.structs.space.surroundings import Grip, Seen
@@ -44,7 +44,7 @@ class RoamingHome:
         self.world = world
         self._machine = machine
         self._stage = PhysicalScene(world, make_roaming_robot)
-        self._eye: RoamingEye | None = None
+        self._eye: Eye | None = None
         self._place, self._hand = self.start, Pose()
         self._wielded: Wielded | None = None
         self._held = Held()
@@ -117,7 +117,7 @@ class RoamingHome:
             self._wielded = None
         elif self.world.holding is not None:
             thing = self.world.thing(self.world.holding)
-            x, y, z = (float(v) for v in self._hand.at)
+            x, y, z = vector(self._hand.at)
             if is_free(thing):
                 self._change(let_go(self.world, thing.name, (x, y, z - rise_of(thing))))
             else:
@@ -147,10 +147,10 @@ class RoamingHome:
             self._stage.pose(self.world)
             self._posed = True
 
-    def _looking(self) -> RoamingEye:
+    def _looking(self) -> Eye:
         self._pose()
         if self._eye is None:
-            self._eye = RoamingEye(self._stage)
+            self._eye = Eye(self._stage)
         return self._eye
 
 

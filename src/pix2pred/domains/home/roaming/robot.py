@@ -21,6 +21,7 @@ from pix2pred.domains.home.drawing.bodies import (
 from pix2pred.domains.home.drawing.maker import HEIGHT, WIDTH, Maker
 from pix2pred.domains.home.roaming.tags import make_tags
 from pix2pred.domains.home.stage import PhysicalScene
+from pix2pred.domains.home.world import vector
 from pix2pred.structs.space.poses import FloorPose, Pose, quaternion_of
 from pix2pred.structs.space.surroundings import CameraMount
 
@@ -69,8 +70,8 @@ def pose_robot(stage: PhysicalScene, base: FloorPose, hand: Pose) -> None:
     The elbow bends upward; a hand that is further than the arm is long leaves a gap at the wrist.
     """
     on_floor = Pose.on_floor(base)
-    stage.move_fixture(TRUNK, _triple(on_floor.at), quaternion_of(on_floor.axes))
-    stage.move_fixture(HAND, _triple(hand.at), quaternion_of(hand.axes))
+    stage.move_fixture(TRUNK, vector(on_floor.at), quaternion_of(on_floor.axes))
+    stage.move_fixture(HAND, vector(hand.at), quaternion_of(hand.axes))
     shoulder = on_floor.points(np.array(SHOULDER))
     along = hand.at - shoulder
     reach = min(max(float(np.linalg.norm(along)), 0.05), _UPPER_LENGTH + _FORE_LENGTH - 1e-6)
@@ -84,9 +85,4 @@ def pose_robot(stage: PhysicalScene, base: FloorPose, hand: Pose) -> None:
     fore_pitch = -math.atan2(rest[2], math.hypot(rest[0], rest[1]))
     fore = Pose.looking(elbow.tolist(), math.atan2(rest[1], rest[0]), fore_pitch)
     for name, link in ((UPPER, upper), (FORE, fore)):
-        stage.move_fixture(name, _triple(link.at), quaternion_of(link.axes))
-
-
-def _triple(values: np.ndarray) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in values)
-    return x, y, z
+        stage.move_fixture(name, vector(link.at), quaternion_of(link.axes))

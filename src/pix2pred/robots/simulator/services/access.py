@@ -22,7 +22,7 @@ from bosdyn.api import (
     time_sync_service_pb2_grpc,
 )
 
-from pix2pred.robots.simulator.services.answering import answering, lasting, seconds_of, stamp
+from pix2pred.robots.simulator.services.answering import Service, answers, lasting, seconds_of, stamp
 from pix2pred.robots.simulator.spot import SimulatedSpot
 
 TOKEN_LASTS = 12 * 3600
@@ -91,109 +91,96 @@ class Doorkeeper(grpc.ServerInterceptor):
         return grpc.unary_unary_rpc_method_handler(refuse)
 
 
-class Auth(auth_service_pb2_grpc.AuthServiceServicer):
+class Auth(Service, auth_service_pb2_grpc.AuthServiceServicer):
     """``auth``: a token for a name and a password."""
 
     def __init__(self, spot: SimulatedSpot, door: Door) -> None:
-        self._spot, self._door = spot, door
+        super().__init__(spot)
+        self._door = door
 
-    def GetAuthToken(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(auth_pb2.GetAuthTokenResponse)
+    def GetAuthToken(self, request: Any, answer: Any) -> None:  # noqa: N802
         """A token, or STATUS_INVALID_LOGIN."""
-        answer = auth_pb2.GetAuthTokenResponse()
-        with answering(self._spot, request, answer):
-            # the client's header of this one request must not come back: it may be logged, and a password is near it
-            renewing = bool(request.token)
-            token = (
-                self._door.renewed(request.token) if renewing else self._door.token(request.username, request.password)
-            )
-            if token is None:
-                answer.status = answer.STATUS_INVALID_TOKEN if renewing else answer.STATUS_INVALID_LOGIN
-            else:
-                answer.status, answer.token = answer.STATUS_OK, token
-        return answer
+        # the client's header of this one request must not come back: it may be logged, and a password is near it
+        renewing = bool(request.token)
+        token = self._door.renewed(request.token) if renewing else self._door.token(request.username, request.password)
+        if token is None:
+            answer.status = answer.STATUS_INVALID_TOKEN if renewing else answer.STATUS_INVALID_LOGIN
+        else:
+            answer.status, answer.token = answer.STATUS_OK, token
 
 
-class RobotId(robot_id_service_pb2_grpc.RobotIdServiceServicer):
+class RobotId(Service, robot_id_service_pb2_grpc.RobotIdServiceServicer):
     """``robot-id``: who this is."""
 
-    def __init__(self, spot: SimulatedSpot) -> None:
-        self._spot = spot
-
-    def GetRobotId(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(robot_id_pb2.RobotIdResponse)
+    def GetRobotId(self, request: Any, answer: Any) -> None:  # noqa: N802
         """Serial number, species and version."""
-        answer = robot_id_pb2.RobotIdResponse()
-        with answering(self._spot, request, answer):
-            who = answer.robot_id
-            who.serial_number, who.species, who.version = self._spot.traits.serial, "spot", "simulated"
-            who.nickname = "simulated spot"
-            version = who.software_release.version
-            version.major_version, version.minor_version, version.patch_level = 5, 2, 0
-        return answer
+        who = answer.robot_id
+        who.serial_number, who.species, who.version = self.spot.traits.serial, "spot", "simulated"
+        who.nickname = "simulated spot"
+        version = who.software_release.version
+        version.major_version, version.minor_version, version.patch_level = 5, 2, 0
 
 
-class Directory(directory_service_pb2_grpc.DirectoryServiceServicer):
+class Directory(Service, directory_service_pb2_grpc.DirectoryServiceServicer):
     """``directory``: the services there are."""
 
     def __init__(self, spot: SimulatedSpot, entries: Sequence[Entry]) -> None:
-        self._spot, self._entries = spot, {e.name: e for e in entries}
+        super().__init__(spot)
+        self._entries = {e.name: e for e in entries}
 
-    def ListServiceEntries(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(directory_pb2.ListServiceEntriesResponse)
+    def ListServiceEntries(self, request: Any, answer: Any) -> None:  # noqa: N802
         """All of them."""
-        answer = directory_pb2.ListServiceEntriesResponse()
-        with answering(self._spot, request, answer):
-            for entry in self._entries.values():
-                self._fill(answer.service_entries.add(), entry)
-        return answer
+        for entry in self._entries.values():
+            self._fill(answer.service_entries.add(), entry)
 
-    def GetServiceEntry(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(directory_pb2.GetServiceEntryResponse)
+    def GetServiceEntry(self, request: Any, answer: Any) -> None:  # noqa: N802
         """One of them."""
-        answer = directory_pb2.GetServiceEntryResponse()
-        with answering(self._spot, request, answer):
-            entry = self._entries.get(request.service_name)
-            answer.status = answer.STATUS_OK if entry else answer.STATUS_NONEXISTENT_SERVICE
-            if entry:
-                self._fill(answer.service_entry, entry)
-        return answer
+        entry = self._entries.get(request.service_name)
+        answer.status = answer.STATUS_OK if entry else answer.STATUS_NONEXISTENT_SERVICE
+        if entry:
+            self._fill(answer.service_entry, entry)
 
     def _fill(self, message: Any, entry: Entry) -> None:
         message.name, message.type, message.authority = entry.name, entry.type, entry.authority
         message.user_token_required = entry.token
-        message.last_update.CopyFrom(stamp(self._spot.time()))
+        message.last_update.CopyFrom(stamp(self.spot.time()))
 
 
-class TimeSync(time_sync_service_pb2_grpc.TimeSyncServiceServicer):
+class TimeSync(Service, time_sync_service_pb2_grpc.TimeSyncServiceServicer):
     """``time-sync``: asks for a few round trips, then says how far the robot's clock is ahead."""
 
     def __init__(self, spot: SimulatedSpot) -> None:
-        self._spot = spot
+        super().__init__(spot)
         self._trips: dict[str, list[tuple[float, float]]] = {}
 
-    def TimeSyncUpdate(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(time_sync_pb2.TimeSyncUpdateResponse)
+    def TimeSyncUpdate(self, request: Any, answer: Any) -> None:  # noqa: N802
         """The estimate so far: that of the quickest round trip."""
-        answer = time_sync_pb2.TimeSyncUpdateResponse()
-        with answering(self._spot, request, answer):
-            clock = request.clock_identifier or uuid.uuid4().hex
-            trips = self._trips.setdefault(clock, [])
-            if request.HasField("previous_round_trip"):
-                trips.append(_measured(request.previous_round_trip))
-                del trips[:-25]
-            answer.clock_identifier = clock
-            state = answer.state
-            enough = len(trips) >= self._spot.traits.samples
-            state.status = state.STATUS_OK if enough else state.STATUS_MORE_SAMPLES_NEEDED
-            if trips:
-                for estimate, (trip, ahead) in (
-                    (answer.previous_estimate, trips[-1]),
-                    (state.best_estimate, min(trips)),
-                ):
-                    estimate.round_trip_time.CopyFrom(lasting(trip))
-                    estimate.clock_skew.CopyFrom(lasting(ahead))
-            state.measurement_time.CopyFrom(stamp(self._spot.time()))
-        return answer
+        clock = request.clock_identifier or uuid.uuid4().hex
+        trips = self._trips.setdefault(clock, [])
+        if request.HasField("previous_round_trip"):
+            trips.append(_measured(request.previous_round_trip))
+            del trips[:-25]
+        answer.clock_identifier = clock
+        state = answer.state
+        enough = len(trips) >= self.spot.traits.samples
+        state.status = state.STATUS_OK if enough else state.STATUS_MORE_SAMPLES_NEEDED
+        if trips:
+            for estimate, (trip, ahead) in (
+                (answer.previous_estimate, trips[-1]),
+                (state.best_estimate, min(trips)),
+            ):
+                estimate.round_trip_time.CopyFrom(lasting(trip))
+                estimate.clock_skew.CopyFrom(lasting(ahead))
+        state.measurement_time.CopyFrom(stamp(self.spot.time()))
 
     def knows(self, clock: str) -> bool:
         """Whether a clock is synchronised."""
-        return len(self._trips.get(clock, ())) >= self._spot.traits.samples
+        return len(self._trips.get(clock, ())) >= self.spot.traits.samples
 
 
 def _measured(trip: Any) -> tuple[float, float]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from functools import wraps
+from typing import Any
 
 from bosdyn.api import header_pb2, lease_pb2
 from google.protobuf.duration_pb2 import Duration
@@ -12,8 +13,6 @@ from google.protobuf.timestamp_pb2 import Timestamp
 
 from pix2pred.robots.simulator.leases import Ticket, Use
 from pix2pred.robots.simulator.spot import SimulatedSpot
-
-Answer = TypeVar("Answer")
 
 NANO = 1_000_000_000
 
@@ -46,6 +45,49 @@ def answering(spot: SimulatedSpot, request: Any, answer: Any) -> Iterator[None]:
         answer.header.error.code = header_pb2.CommonError.CODE_INTERNAL_SERVER_ERROR
         answer.header.error.message = f"{type(error).__name__}: {error}"
     answer.header.response_timestamp.CopyFrom(stamp(spot.time()))
+
+
+class Service:
+    """A service of ``spot``."""
+
+    def __init__(self, spot: SimulatedSpot) -> None:
+        self.spot = spot
+
+
+Filling = Callable[[Any, Any, Any], None]
+"""A method of a service that is given the request and an empty answer, which it fills in."""
+Call = Callable[[Any, Any, Any], Any]
+"""A method of a service as the protocol has it: request and context in, answer out."""
+
+
+def answers(message: Callable[[], Any]) -> Callable[[Filling], Call]:
+    """Makes a call that answers with a ``message`` of the method that fills it in."""
+
+    def made(fill: Filling) -> Call:
+        @wraps(fill)
+        def call(service: Service, request: Any, context: Any) -> Any:
+            answer = message()
+            with answering(service.spot, request, answer):
+                fill(service, request, answer)
+            return answer
+
+        return call
+
+    return made
+
+
+def answers_in_turn(message: Callable[[], Any], *, moment: bool = False) -> Callable[[Filling], Call]:
+    """The same of a method that runs in the robot's thread; at a ``moment``, planned faults strike."""
+
+    def made(fill: Filling) -> Call:
+        @answers(message)
+        @wraps(fill)
+        def call(service: Service, request: Any, answer: Any) -> None:
+            service.spot.do(lambda: fill(service, request, answer), moment=moment)
+
+        return call
+
+    return made
 
 
 def ticket_of(lease: Any) -> Ticket | None:

@@ -15,11 +15,10 @@ from bosdyn.api import (
 )
 
 from pix2pred.robots.simulator.body import NAMED, SimulatedBody
-from pix2pred.robots.simulator.frames import from_body
-from pix2pred.robots.simulator.messages import from_message
+from pix2pred.robots.simulator.frames import from_body, from_message
 from pix2pred.robots.simulator.motion import End, Reach
 from pix2pred.robots.simulator.services.access import TimeSync
-from pix2pred.robots.simulator.services.answering import answering, seconds_of, used
+from pix2pred.robots.simulator.services.answering import Service, answers_in_turn, seconds_of, used
 from pix2pred.robots.simulator.services.legs import CommandRefusedError, begin_legs, report_legs
 from pix2pred.robots.simulator.settings import BODY_FROM_PLACE
 from pix2pred.robots.simulator.spot import SimulatedSpot
@@ -42,53 +41,40 @@ class Doing:
     stalled: bool = False
 
 
-class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer):
+class CommandService(Service, robot_command_service_pb2_grpc.RobotCommandServiceServicer):
     """``robot-command``: stand, sit, walk, stop; the hand's ways and named positions; the fingers."""
 
     def __init__(self, spot: SimulatedSpot, clocks: TimeSync) -> None:
-        self._spot, self._clocks = spot, clocks
+        super().__init__(spot)
+        self._clocks = clocks
         self._doing: dict[int, Doing] = {}
 
-    def RobotCommand(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(robot_command_pb2.RobotCommandResponse, moment=True)
+    def RobotCommand(self, request: Any, answer: Any) -> None:  # noqa: N802
         """Begin what is commanded."""
-        answer = robot_command_pb2.RobotCommandResponse()
+        if not used(self.spot, request.lease, answer.lease_use_result):
+            return
+        try:
+            number = self._begin(request)
+        except CommandRefusedError as error:
+            answer.status, answer.message = answer.Status.Value(error.status), str(error)
+        else:
+            answer.status, answer.robot_command_id = answer.STATUS_OK, number
 
-        def begin() -> None:
-            if not used(self._spot, request.lease, answer.lease_use_result):
-                return
-            try:
-                number = self._begin(request)
-            except CommandRefusedError as error:
-                answer.status, answer.message = answer.Status.Value(error.status), str(error)
-            else:
-                answer.status, answer.robot_command_id = answer.STATUS_OK, number
-
-        with answering(self._spot, request, answer):
-            self._spot.do(begin, moment=True)
-        return answer
-
-    def RobotCommandFeedback(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(robot_command_pb2.RobotCommandFeedbackResponse)
+    def RobotCommandFeedback(self, request: Any, answer: Any) -> None:  # noqa: N802
         """How a command is getting on."""
-        answer = robot_command_pb2.RobotCommandFeedbackResponse()
-        with answering(self._spot, request, answer):
-            self._spot.do(lambda: self._report(request.robot_command_id, answer.feedback))
-        return answer
+        self._report(request.robot_command_id, answer.feedback)
 
-    def ClearBehaviorFault(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(robot_command_pb2.ClearBehaviorFaultResponse)
+    def ClearBehaviorFault(self, request: Any, answer: Any) -> None:  # noqa: N802
         """A fall is over."""
-        answer = robot_command_pb2.ClearBehaviorFaultResponse()
-
-        def clear() -> None:
-            if used(self._spot, request.lease, answer.lease_use_result):
-                self._spot.body.fallen = False
-                answer.status = answer.STATUS_CLEARED
-
-        with answering(self._spot, request, answer):
-            self._spot.do(clear)
-        return answer
+        if used(self.spot, request.lease, answer.lease_use_result):
+            self.spot.body.fallen = False
+            answer.status = answer.STATUS_CLEARED
 
     def _begin(self, request: Any) -> int:
-        body, command = self._spot.body, request.command
+        body, command = self.spot.body, request.command
         doing = Doing(command)
         if command.HasField("full_body_command"):
             self._whole_body(body, command.full_body_command)
@@ -100,7 +86,7 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
             parts = command.synchronized_command
             if parts.HasField("mobility_command"):
                 clock = self._clocks.knows(request.clock_identifier)
-                doing.walk = begin_legs(self._spot, parts.mobility_command, synchronised=clock)
+                doing.walk = begin_legs(self.spot, parts.mobility_command, synchronised=clock)
             if parts.HasField("arm_command"):
                 self._arm(body, parts.arm_command, doing)
             if parts.HasField("gripper_command"):
@@ -175,13 +161,13 @@ class CommandService(robot_command_service_pb2_grpc.RobotCommandServiceServicer)
             return
         parts, told = doing.command.synchronized_command, feedback.synchronized_feedback
         if parts.HasField("mobility_command"):
-            report_legs(self._spot.body, doing.walk, parts.mobility_command, told.mobility_command_feedback)
+            report_legs(self.spot.body, doing.walk, parts.mobility_command, told.mobility_command_feedback)
         if parts.HasField("arm_command"):
             self._report_arm(doing, parts.arm_command, told.arm_command_feedback)
         if parts.HasField("gripper_command"):
             told.gripper_command_feedback.status = _STATUS.STATUS_PROCESSING
             claw = told.gripper_command_feedback.claw_gripper_feedback
-            claw.status = claw.STATUS_APPLYING_FORCE if self._spot.body.around.holding else claw.STATUS_AT_GOAL
+            claw.status = claw.STATUS_APPLYING_FORCE if self.spot.body.around.holding else claw.STATUS_AT_GOAL
 
     @staticmethod
     def _report_whole(command: Any, told: Any) -> None:

@@ -10,7 +10,7 @@ from bosdyn.api.docking import docking_pb2, docking_service_pb2_grpc
 from pix2pred.robots.simulator.body import SimulatedBody
 from pix2pred.robots.simulator.motion import End
 from pix2pred.robots.simulator.services.access import TimeSync
-from pix2pred.robots.simulator.services.answering import answering, used
+from pix2pred.robots.simulator.services.answering import Service, answers, answers_in_turn, used
 from pix2pred.robots.simulator.services.legs import CommandRefusedError, seconds_left
 from pix2pred.robots.simulator.spot import SimulatedSpot
 from pix2pred.robots.simulator.walking import Walk
@@ -28,67 +28,52 @@ PREPARED = FloorPose(-0.65, 0.0, 0.0)
 _FEEDBACK = docking_pb2.DockingCommandFeedbackResponse
 
 
-class DockingService(docking_service_pb2_grpc.DockingServiceServicer):
+class DockingService(Service, docking_service_pb2_grpc.DockingServiceServicer):
     """``docking``: one dock. The robot sees it, so that odometry does not lead beside it."""
 
     def __init__(self, spot: SimulatedSpot, clocks: TimeSync) -> None:
-        self._spot, self._clocks = spot, clocks
+        super().__init__(spot)
+        self._clocks = clocks
         self._walks: dict[int, tuple[Walk, int]] = {}
 
-    def DockingCommand(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(docking_pb2.DockingCommandResponse, moment=True)
+    def DockingCommand(self, request: Any, answer: Any) -> None:  # noqa: N802
         """Walk onto the dock, before it, or off it."""
-        answer = docking_pb2.DockingCommandResponse()
+        if not used(self.spot, request.lease, answer.lease_use_result):
+            answer.status = answer.STATUS_ERROR_LEASE
+        else:
+            answer.status = self._begin(request, answer)
 
-        def begin() -> None:
-            if not used(self._spot, request.lease, answer.lease_use_result):
-                answer.status = answer.STATUS_ERROR_LEASE
-            else:
-                answer.status = self._begin(request, answer)
-
-        with answering(self._spot, request, answer):
-            self._spot.do(begin, moment=True)
-        return answer
-
-    def DockingCommandFeedback(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(_FEEDBACK)
+    def DockingCommandFeedback(self, request: Any, answer: Any) -> None:  # noqa: N802
         """How it is getting on."""
-        answer = _FEEDBACK()
+        answer.lease_use_result.status = answer.lease_use_result.STATUS_OK
+        walk, after = self._walks.get(request.docking_command_id, (None, _FEEDBACK.STATUS_OLD_DOCKING_COMMAND))
+        ended = {
+            End.RUNNING: _FEEDBACK.STATUS_IN_PROGRESS,
+            End.DONE: after,
+            End.BLOCKED: _FEEDBACK.STATUS_ERROR_STUCK,
+            End.STOPPED: _FEEDBACK.STATUS_ERROR_COMMAND_TIMED_OUT,
+        }
+        answer.status = ended[walk.end] if walk is not None else after
 
-        def report() -> None:
-            answer.lease_use_result.status = answer.lease_use_result.STATUS_OK
-            walk, after = self._walks.get(request.docking_command_id, (None, _FEEDBACK.STATUS_OLD_DOCKING_COMMAND))
-            ended = {
-                End.RUNNING: _FEEDBACK.STATUS_IN_PROGRESS,
-                End.DONE: after,
-                End.BLOCKED: _FEEDBACK.STATUS_ERROR_STUCK,
-                End.STOPPED: _FEEDBACK.STATUS_ERROR_COMMAND_TIMED_OUT,
-            }
-            answer.status = ended[walk.end] if walk is not None else after
-
-        with answering(self._spot, request, answer):
-            self._spot.do(report)
-        return answer
-
-    def GetDockingConfig(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(docking_pb2.GetDockingConfigResponse)
+    def GetDockingConfig(self, request: Any, answer: Any) -> None:  # noqa: N802
         """The one dock."""
-        answer = docking_pb2.GetDockingConfigResponse()
-        with answering(self._spot, request, answer):
-            answer.dock_configs.add(id_start=STATION, id_end=STATION, type=docking_pb2.DOCK_TYPE_SPOT_DOCK)
-        return answer
+        answer.dock_configs.add(id_start=STATION, id_end=STATION, type=docking_pb2.DOCK_TYPE_SPOT_DOCK)
 
-    def GetDockingState(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(docking_pb2.GetDockingStateResponse)
+    def GetDockingState(self, request: Any, answer: Any) -> None:  # noqa: N802
         """Whether the robot is on it."""
-        answer = docking_pb2.GetDockingStateResponse()
-        with answering(self._spot, request, answer):
-            state, docked = answer.dock_state, self._spot.do(lambda: self._spot.body.docked)
-            state.status = state.DOCK_STATUS_DOCKED if docked else state.DOCK_STATUS_UNDOCKED
-            if docked:
-                state.dock_id, state.dock_type = STATION, docking_pb2.DOCK_TYPE_SPOT_DOCK
-                state.power_status = state.LINK_STATUS_CONNECTED
-        return answer
+        state, docked = answer.dock_state, self.spot.body.docked
+        state.status = state.DOCK_STATUS_DOCKED if docked else state.DOCK_STATUS_UNDOCKED
+        if docked:
+            state.dock_id, state.dock_type = STATION, docking_pb2.DOCK_TYPE_SPOT_DOCK
+            state.power_status = state.LINK_STATUS_CONNECTED
 
     def _begin(self, request: Any, answer: Any) -> int:
         """The status of a command, and its walk under way."""
-        body, how = self._spot.body, request.prep_pose_behavior
+        body, how = self.spot.body, request.prep_pose_behavior
         leaving = how == docking_pb2.PREP_POSE_UNDOCK
         if request.docking_station_id not in ((0, STATION) if leaving else (STATION,)):
             return int(answer.STATUS_ERROR_DOCK_NOT_FOUND)
@@ -99,7 +84,7 @@ class DockingService(docking_service_pb2_grpc.DockingServiceServicer):
         if not body.powered or body.fallen:
             return int(answer.STATUS_ERROR_NOT_AVAILABLE)
         try:
-            left = seconds_left(self._spot, request, synchronised=self._clocks.knows(request.clock_identifier))
+            left = seconds_left(self.spot, request, synchronised=self._clocks.knows(request.clock_identifier))
         except CommandRefusedError:
             return int(answer.STATUS_ERROR_SYSTEM)
         before = leaving or how == docking_pb2.PREP_POSE_ONLY_POSE

@@ -15,7 +15,9 @@ from bosdyn.api import (
 
 from pix2pred.robots.simulator.leases import RESOURCES
 from pix2pred.robots.simulator.services.answering import (
-    answering,
+    Service,
+    answers,
+    answers_in_turn,
     lasting,
     lease_of,
     seconds_of,
@@ -27,161 +29,135 @@ from pix2pred.robots.simulator.spot import SimulatedSpot
 from pix2pred.robots.simulator.stops import Endpoint, StopLevel
 
 
-class LeaseService(lease_service_pb2_grpc.LeaseServiceServicer):
+class LeaseService(Service, lease_service_pb2_grpc.LeaseServiceServicer):
     """``lease``: one lease for the whole body."""
 
     def __init__(self, spot: SimulatedSpot) -> None:
-        self._spot, self._leases = spot, spot.body.leases
+        super().__init__(spot)
+        self._leases = spot.body.leases
 
-    def AcquireLease(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(lease_pb2.AcquireLeaseResponse)
+    def AcquireLease(self, request: Any, answer: Any) -> None:  # noqa: N802
         """The lease, unless somebody has it."""
-        answer = lease_pb2.AcquireLeaseResponse()
-        with answering(self._spot, request, answer):
-            if request.resource not in RESOURCES:
-                answer.status = answer.STATUS_INVALID_RESOURCE
-                return answer
-            ticket = self._spot.do(lambda: self._leases.acquire(request.header.client_name or "unknown"))
-            answer.status = answer.STATUS_OK if ticket else answer.STATUS_RESOURCE_ALREADY_CLAIMED
-            answer.lease_owner.client_name = self._leases.owner
-            if ticket:
-                answer.lease.CopyFrom(lease_of(ticket, self._leases.owner))
-        return answer
+        if request.resource not in RESOURCES:
+            answer.status = answer.STATUS_INVALID_RESOURCE
+            return
+        ticket = self._leases.acquire(request.header.client_name or "unknown")
+        answer.status = answer.STATUS_OK if ticket else answer.STATUS_RESOURCE_ALREADY_CLAIMED
+        answer.lease_owner.client_name = self._leases.owner
+        if ticket:
+            answer.lease.CopyFrom(lease_of(ticket, self._leases.owner))
 
-    def TakeLease(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(lease_pb2.TakeLeaseResponse)
+    def TakeLease(self, request: Any, answer: Any) -> None:  # noqa: N802
         """The lease, whoever has it; the robot stops."""
-        answer = lease_pb2.TakeLeaseResponse()
-        with answering(self._spot, request, answer):
-            if request.resource not in RESOURCES:
-                answer.status = answer.STATUS_INVALID_RESOURCE
-                return answer
+        if request.resource not in RESOURCES:
+            answer.status = answer.STATUS_INVALID_RESOURCE
+            return
+        self.spot.body.halt()
+        ticket = self._leases.take(request.header.client_name or "unknown")
+        answer.status = answer.STATUS_OK
+        answer.lease.CopyFrom(lease_of(ticket, self._leases.owner))
+        answer.lease_owner.client_name = self._leases.owner
 
-            def take() -> Any:
-                self._spot.body.halt()
-                return self._leases.take(request.header.client_name or "unknown")
-
-            answer.status = answer.STATUS_OK
-            answer.lease.CopyFrom(lease_of(self._spot.do(take), self._leases.owner))
-            answer.lease_owner.client_name = self._leases.owner
-        return answer
-
-    def ReturnLease(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(lease_pb2.ReturnLeaseResponse)
+    def ReturnLease(self, request: Any, answer: Any) -> None:  # noqa: N802
         """Give the lease back; the robot stops."""
-        answer = lease_pb2.ReturnLeaseResponse()
-        with answering(self._spot, request, answer):
-            ticket = ticket_of(request.lease)
+        ticket = ticket_of(request.lease)
+        if ticket is None or not self._leases.give_back(ticket):
+            answer.status = answer.STATUS_NOT_ACTIVE_LEASE
+            return
+        self.spot.body.halt()
+        answer.status = answer.STATUS_OK
 
-            def give_back() -> bool:
-                if ticket is None or not self._leases.give_back(ticket):
-                    return False
-                self._spot.body.halt()
-                return True
-
-            answer.status = answer.STATUS_OK if self._spot.do(give_back) else answer.STATUS_NOT_ACTIVE_LEASE
-        return answer
-
-    def RetainLease(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(lease_pb2.RetainLeaseResponse)
+    def RetainLease(self, request: Any, answer: Any) -> None:  # noqa: N802
         """The holder is still there."""
-        answer = lease_pb2.RetainLeaseResponse()
-        with answering(self._spot, request, answer):
-            self._spot.do(lambda: used(self._spot, request.lease, answer.lease_use_result))
-        return answer
+        used(self.spot, request.lease, answer.lease_use_result)
 
-    def ListLeases(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(lease_pb2.ListLeasesResponse)
+    def ListLeases(self, request: Any, answer: Any) -> None:  # noqa: N802
         """Who has what."""
-        answer = lease_pb2.ListLeasesResponse()
-        with answering(self._spot, request, answer):
-            resource = answer.resources.add(resource="body", is_stale=self._leases.stale)
-            resource.lease.CopyFrom(lease_of(self._leases.current, self._leases.owner))
-            resource.lease_owner.client_name = self._leases.owner
-            resource.stale_time.CopyFrom(stamp(self._spot.time() + self._leases.stale_in))
-        return answer
+        resource = answer.resources.add(resource="body", is_stale=self._leases.stale)
+        resource.lease.CopyFrom(lease_of(self._leases.current, self._leases.owner))
+        resource.lease_owner.client_name = self._leases.owner
+        resource.stale_time.CopyFrom(stamp(self.spot.time() + self._leases.stale_in))
 
 
-class EstopService(estop_service_pb2_grpc.EstopServiceServicer):
+class EstopService(Service, estop_service_pb2_grpc.EstopServiceServicer):
     """``estop``: endpoints that check in with answers to challenges."""
 
     def __init__(self, spot: SimulatedSpot) -> None:
-        self._spot, self._stops = spot, spot.body.stops
+        super().__init__(spot)
+        self._stops = spot.body.stops
 
-    def RegisterEstopEndpoint(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(estop_pb2.RegisterEstopEndpointResponse)
+    def RegisterEstopEndpoint(self, request: Any, answer: Any) -> None:  # noqa: N802
         """A new endpoint in the configuration named."""
-        answer = estop_pb2.RegisterEstopEndpointResponse()
-        with answering(self._spot, request, answer):
-            answer.request.CopyFrom(request)
-            wanted = request.new_endpoint
-            if request.target_config_id and request.target_config_id != self._stops.config_id:
-                answer.status = answer.STATUS_CONFIG_MISMATCH
-            elif not wanted.role or seconds_of(wanted.timeout) <= 0:
-                answer.status = answer.STATUS_INVALID_ENDPOINT
-            else:
-                made = _read(wanted)
-                self._spot.do(lambda: self._stops.register(made))
-                _fill(answer.new_endpoint, made)
-                answer.status = answer.STATUS_SUCCESS
-        return answer
+        answer.request.CopyFrom(request)
+        wanted = request.new_endpoint
+        if request.target_config_id and request.target_config_id != self._stops.config_id:
+            answer.status = answer.STATUS_CONFIG_MISMATCH
+        elif not wanted.role or seconds_of(wanted.timeout) <= 0:
+            answer.status = answer.STATUS_INVALID_ENDPOINT
+        else:
+            made = _read(wanted)
+            self._stops.register(made)
+            _fill(answer.new_endpoint, made)
+            answer.status = answer.STATUS_SUCCESS
 
-    def DeregisterEstopEndpoint(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(estop_pb2.DeregisterEstopEndpointResponse)
+    def DeregisterEstopEndpoint(self, request: Any, answer: Any) -> None:  # noqa: N802
         """An endpoint goes; not while the motors are on."""
-        answer = estop_pb2.DeregisterEstopEndpointResponse()
-        with answering(self._spot, request, answer):
-            answer.request.CopyFrom(request)
-            known = self._find(request.target_endpoint)
-            if self._spot.body.powered:
-                answer.status = answer.STATUS_MOTORS_ON
-            elif known is None:
-                answer.status = answer.STATUS_ENDPOINT_MISMATCH
-            else:
-                self._spot.do(lambda: self._stops.endpoints.pop(known.unique_id))
-                answer.status = answer.STATUS_SUCCESS
-        return answer
+        answer.request.CopyFrom(request)
+        known = self._find(request.target_endpoint)
+        if self.spot.body.powered:
+            answer.status = answer.STATUS_MOTORS_ON
+        elif known is None:
+            answer.status = answer.STATUS_ENDPOINT_MISMATCH
+        else:
+            self._stops.endpoints.pop(known.unique_id)
+            answer.status = answer.STATUS_SUCCESS
 
-    def EstopCheckIn(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(estop_pb2.EstopCheckInResponse)
+    def EstopCheckIn(self, request: Any, answer: Any) -> None:  # noqa: N802
         """An endpoint says what it wants, and that it is there."""
-        answer = estop_pb2.EstopCheckInResponse()
-        with answering(self._spot, request, answer):
-            answer.request.CopyFrom(request)
-            known = self._find(request.endpoint)
-            if known is None:
-                answer.status = answer.STATUS_ENDPOINT_UNKNOWN
-                return answer
-            level = StopLevel(request.stop_level or StopLevel.CUT)
-            right = self._spot.do(lambda: self._stops.answered(known, request.challenge, request.response, level))
-            answer.status = answer.STATUS_OK if right else answer.STATUS_INCORRECT_CHALLENGE_RESPONSE
-            answer.challenge = self._stops.next_challenge(known)
-        return answer
+        answer.request.CopyFrom(request)
+        known = self._find(request.endpoint)
+        if known is None:
+            answer.status = answer.STATUS_ENDPOINT_UNKNOWN
+            return
+        level = StopLevel(request.stop_level or StopLevel.CUT)
+        right = self._stops.answered(known, request.challenge, request.response, level)
+        answer.status = answer.STATUS_OK if right else answer.STATUS_INCORRECT_CHALLENGE_RESPONSE
+        answer.challenge = self._stops.next_challenge(known)
 
-    def GetEstopConfig(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(estop_pb2.GetEstopConfigResponse)
+    def GetEstopConfig(self, request: Any, answer: Any) -> None:  # noqa: N802
         """The endpoints there are to be."""
-        answer = estop_pb2.GetEstopConfigResponse()
-        with answering(self._spot, request, answer):
-            self._fill_config(answer.active_config)
-        return answer
+        self._fill_config(answer.active_config)
 
-    def SetEstopConfig(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(estop_pb2.SetEstopConfigResponse)
+    def SetEstopConfig(self, request: Any, answer: Any) -> None:  # noqa: N802
         """A new configuration; not while the motors are on."""
-        answer = estop_pb2.SetEstopConfigResponse()
-        with answering(self._spot, request, answer):
-            answer.request.CopyFrom(request)
-            if self._spot.body.powered:
-                answer.status = answer.STATUS_MOTORS_ON
-            elif request.target_config_id and request.target_config_id != self._stops.config_id:
-                answer.status = answer.STATUS_INVALID_ID
-            else:
-                self._spot.do(lambda: self._stops.configure([_read(e) for e in request.config.endpoints]))
-                answer.status = answer.STATUS_SUCCESS
-            self._fill_config(answer.active_config)
-        return answer
+        answer.request.CopyFrom(request)
+        if self.spot.body.powered:
+            answer.status = answer.STATUS_MOTORS_ON
+        elif request.target_config_id and request.target_config_id != self._stops.config_id:
+            answer.status = answer.STATUS_INVALID_ID
+        else:
+            self._stops.configure([_read(e) for e in request.config.endpoints])
+            answer.status = answer.STATUS_SUCCESS
+        self._fill_config(answer.active_config)
 
-    def GetEstopSystemStatus(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(estop_pb2.GetEstopSystemStatusResponse)
+    def GetEstopSystemStatus(self, request: Any, answer: Any) -> None:  # noqa: N802
         """What holds now, and who wants it."""
-        answer = estop_pb2.GetEstopSystemStatusResponse()
-        with answering(self._spot, request, answer):
-            answer.status.stop_level = int(self._stops.level)
-            for endpoint in self._stops.endpoints.values():
-                entry = answer.status.endpoints.add(stop_level=int(self._stops.level_of(endpoint)))
-                _fill(entry.endpoint, endpoint)
-                entry.time_since_valid_response.CopyFrom(lasting(self._stops.silent_for(endpoint)))
-        return answer
+        answer.status.stop_level = int(self._stops.level)
+        for endpoint in self._stops.endpoints.values():
+            entry = answer.status.endpoints.add(stop_level=int(self._stops.level_of(endpoint)))
+            _fill(entry.endpoint, endpoint)
+            entry.time_since_valid_response.CopyFrom(lasting(self._stops.silent_for(endpoint)))
 
     def _find(self, endpoint: Any) -> Endpoint | None:
         return self._stops.endpoints.get(endpoint.unique_id)
@@ -207,41 +183,30 @@ def _fill(message: Any, endpoint: Endpoint) -> None:
     message.cut_power_timeout.CopyFrom(lasting(endpoint.cut_after))
 
 
-class PowerService(power_service_pb2_grpc.PowerServiceServicer):
+class PowerService(Service, power_service_pb2_grpc.PowerServiceServicer):
     """``power``: the motors, on or off."""
 
-    def __init__(self, spot: SimulatedSpot) -> None:
-        self._spot = spot
-
-    def PowerCommand(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(power_pb2.PowerCommandResponse, moment=True)
+    def PowerCommand(self, request: Any, answer: Any) -> None:  # noqa: N802
         """Switch the motors. Not on while stopped, fallen, or without charge."""
-        answer = power_pb2.PowerCommandResponse()
-
-        def command() -> None:
-            body = self._spot.body
-            if not used(self._spot, request.lease, answer.lease_use_result):
-                return
-            on = request.request in (request.REQUEST_ON, request.REQUEST_ON_MOTORS)
-            if on and body.stops.level is not StopLevel.NONE:
-                answer.status = power_pb2.STATUS_ESTOPPED
-            elif on and body.fallen:
-                answer.status = power_pb2.STATUS_FAULTED
-            elif on and body.charge <= 0:
-                answer.status = power_pb2.STATUS_BATTERY_MISSING
-            elif on or request.request in (request.REQUEST_OFF, request.REQUEST_OFF_MOTORS):
-                body.powered, body.standing = on, body.standing and on
-                answer.status = power_pb2.STATUS_SUCCESS
-            else:
-                answer.status = power_pb2.STATUS_INTERNAL_ERROR
-            answer.power_command_id = body.next_number()
-
-        with answering(self._spot, request, answer):
-            self._spot.do(command, moment=True)
-        return answer
-
-    def PowerCommandFeedback(self, request: Any, context: Any) -> Any:  # noqa: N802
-        """Motors are switched at once."""
-        answer = power_pb2.PowerCommandFeedbackResponse()
-        with answering(self._spot, request, answer):
+        body = self.spot.body
+        if not used(self.spot, request.lease, answer.lease_use_result):
+            return
+        on = request.request in (request.REQUEST_ON, request.REQUEST_ON_MOTORS)
+        if on and body.stops.level is not StopLevel.NONE:
+            answer.status = power_pb2.STATUS_ESTOPPED
+        elif on and body.fallen:
+            answer.status = power_pb2.STATUS_FAULTED
+        elif on and body.charge <= 0:
+            answer.status = power_pb2.STATUS_BATTERY_MISSING
+        elif on or request.request in (request.REQUEST_OFF, request.REQUEST_OFF_MOTORS):
+            body.powered, body.standing = on, body.standing and on
             answer.status = power_pb2.STATUS_SUCCESS
-        return answer
+        else:
+            answer.status = power_pb2.STATUS_INTERNAL_ERROR
+        answer.power_command_id = body.next_number()
+
+    @answers(power_pb2.PowerCommandFeedbackResponse)
+    def PowerCommandFeedback(self, request: Any, answer: Any) -> None:  # noqa: N802
+        """Motors are switched at once."""
+        answer.status = power_pb2.STATUS_SUCCESS

@@ -8,7 +8,7 @@ from typing import Any
 from bosdyn.api import basic_command_pb2
 
 from pix2pred.robots.simulator.body import SimulatedBody
-from pix2pred.robots.simulator.messages import floor_from_message
+from pix2pred.robots.simulator.frames import floor_from_message
 from pix2pred.robots.simulator.motion import End
 from pix2pred.robots.simulator.services.answering import seconds_of
 from pix2pred.robots.simulator.settings import BODY_FROM_PLACE

@@ -10,9 +10,8 @@ import numpy as np
 import PIL.Image
 from bosdyn.api import image_pb2, image_service_pb2_grpc, robot_state_pb2, robot_state_service_pb2_grpc
 
-from pix2pred.robots.simulator.frames import known, sensor, with_sensor
-from pix2pred.robots.simulator.messages import snapshot
-from pix2pred.robots.simulator.services.answering import answering, stamp
+from pix2pred.robots.simulator.frames import known, sensor, snapshot, with_sensor
+from pix2pred.robots.simulator.services.answering import Service, answering, answers, answers_in_turn, stamp
 from pix2pred.robots.simulator.spot import SimulatedSpot
 from pix2pred.robots.simulator.stops import StopLevel
 from pix2pred.structs.space.surroundings import CameraMount
@@ -38,21 +37,19 @@ def distances(camera: CameraMount) -> str:
     return f"{camera.name.partition('_')[0]}_depth_in_visual_frame"
 
 
-class ImageService(image_service_pb2_grpc.ImageServiceServicer):
+class ImageService(Service, image_service_pb2_grpc.ImageServiceServicer):
     """``image``: six cameras as they are mounted, and distances for each."""
 
     def __init__(self, spot: SimulatedSpot) -> None:
-        self._spot = spot
+        super().__init__(spot)
         cameras = spot.body.around.cameras
         self._sources = {visual(c): (c, False) for c in cameras} | {distances(c): (c, True) for c in cameras}
 
-    def ListImageSources(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(image_pb2.ListImageSourcesResponse)
+    def ListImageSources(self, request: Any, answer: Any) -> None:  # noqa: N802
         """All sources."""
-        answer = image_pb2.ListImageSourcesResponse()
-        with answering(self._spot, request, answer):
-            for name, (camera, is_depth) in self._sources.items():
-                fill_source(answer.image_sources.add(), name, camera, is_depth)
-        return answer
+        for name, (camera, is_depth) in self._sources.items():
+            fill_source(answer.image_sources.add(), name, camera, is_depth)
 
     def GetImage(self, request: Any, context: Any) -> Any:  # noqa: N802
         """A picture of each source asked for, all taken at once."""
@@ -67,9 +64,9 @@ class ImageService(image_service_pb2_grpc.ImageServiceServicer):
                     continue
                 self.take(wanted, response)
 
-        with answering(self._spot, request, answer):
-            self._spot.do(take, moment=True)
-            if self._spot.body.silent_cameras:
+        with answering(self.spot, request, answer):
+            self.spot.do(take, moment=True)
+            if self.spot.body.silent_cameras:
                 until = time.monotonic() + SILENCE
                 while time.monotonic() < until and context.is_active():
                     time.sleep(0.05)
@@ -78,10 +75,10 @@ class ImageService(image_service_pb2_grpc.ImageServiceServicer):
     def take(self, wanted: Any, response: Any) -> None:
         """Fill ``response`` with the picture that ``wanted`` asks for. In the robot's thread."""
         camera, is_depth = self._sources[wanted.image_source_name]
-        body = self._spot.body
+        body = self.spot.body
         fill_source(response.source, wanted.image_source_name, camera, is_depth)
         shot = response.shot
-        shot.acquisition_time.CopyFrom(stamp(self._spot.time()))
+        shot.acquisition_time.CopyFrom(stamp(self.spot.time()))
         shot.frame_name_image_sensor = sensor(camera)
         shot.transforms_snapshot.CopyFrom(snapshot(with_sensor(body, camera)))
         shot.image.cols, shot.image.rows = camera.width, camera.height
@@ -128,36 +125,27 @@ def fill_source(source: Any, name: str, camera: CameraMount, is_depth: bool) -> 
     inner.principal_point.x, inner.principal_point.y = camera.width / 2, camera.height / 2
 
 
-class StateService(robot_state_service_pb2_grpc.RobotStateServiceServicer):
+class StateService(Service, robot_state_service_pb2_grpc.RobotStateServiceServicer):
     """``robot-state``: power, battery, stops, faults, frames, hand."""
 
-    def __init__(self, spot: SimulatedSpot) -> None:
-        self._spot = spot
-
-    def GetRobotState(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers_in_turn(robot_state_pb2.RobotStateResponse)
+    def GetRobotState(self, request: Any, answer: Any) -> None:  # noqa: N802
         """All of it now."""
-        answer = robot_state_pb2.RobotStateResponse()
-        with answering(self._spot, request, answer):
-            self._spot.do(lambda: self._fill(answer.robot_state))
-        return answer
+        self._fill(answer.robot_state)
 
-    def GetRobotMetrics(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(robot_state_pb2.RobotMetricsResponse)
+    def GetRobotMetrics(self, request: Any, answer: Any) -> None:  # noqa: N802
         """No metrics."""
-        answer = robot_state_pb2.RobotMetricsResponse()
-        with answering(self._spot, request, answer):
-            answer.robot_metrics.timestamp.CopyFrom(stamp(self._spot.time()))
-        return answer
+        answer.robot_metrics.timestamp.CopyFrom(stamp(self.spot.time()))
 
-    def GetRobotHardwareConfiguration(self, request: Any, context: Any) -> Any:  # noqa: N802
+    @answers(robot_state_pb2.RobotHardwareConfigurationResponse)
+    def GetRobotHardwareConfiguration(self, request: Any, answer: Any) -> None:  # noqa: N802
         """A Spot with an arm."""
-        answer = robot_state_pb2.RobotHardwareConfigurationResponse()
-        with answering(self._spot, request, answer):
-            for name in ("body", "arm0.link_sh0", "arm0.link_wr1"):
-                answer.hardware_configuration.skeleton.links.add(name=name)
-        return answer
+        for name in ("body", "arm0.link_sh0", "arm0.link_wr1"):
+            answer.hardware_configuration.skeleton.links.add(name=name)
 
     def _fill(self, state: Any) -> None:
-        body, now = self._spot.body, stamp(self._spot.time())
+        body, now = self.spot.body, stamp(self.spot.time())
         power = state.power_state
         power.timestamp.CopyFrom(now)
         power.motor_power_state = power.STATE_ON if body.powered else power.STATE_OFF

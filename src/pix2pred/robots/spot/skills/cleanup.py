@@ -11,7 +11,17 @@ import numpy as np
 from pix2pred.robots.spot.finding import Found
 from pix2pred.robots.spot.limbs import FailedError
 from pix2pred.robots.spot.robot import Spot
-from pix2pred.robots.spot.skills.moving import OVER, down, facing, let_go_at, merged, stand_at, take
+from pix2pred.robots.spot.skills.moving import (
+    OVER,
+    down,
+    facing,
+    hand_is_empty,
+    holds,
+    let_go_at,
+    merged,
+    stand_at,
+    take,
+)
 from pix2pred.robots.spot.skills.repertoire import Program, Repertoire
 from pix2pred.structs.space.poses import Array, Pose, turned_about
 
@@ -44,14 +54,9 @@ def pick_from_top(spot: Spot, name: str, surface: str) -> None:
     take(spot, name)
 
 
-def pick_from_floor(spot: Spot, name: str) -> None:
-    """Take a thing from the floor."""
-    take(spot, name)
-
-
 def place_inside(spot: Spot, name: str, container: str) -> None:
     """Let go of the held thing over the place in a bin that is furthest from what lies in it and from its walls."""
-    _holds(spot, name)
+    holds(spot, name)
     others = [o.name for o in spot.objects if o.type.name == MOVABLE and o.name != name]
     seen = spot.find(container, others=others)
     bin_ = merged(seen[container])
@@ -87,7 +92,7 @@ RIM = 0.04
 
 def wipe(spot: Spot, name: str, table: str) -> None:
     """Go over the whole table with the held eraser: the left half and the right half, each from where it is reached."""
-    _holds(spot, name)
+    holds(spot, name)
     top = merged(spot.find(table)[table])
     height = float(np.median(top.points[top.points[:, 2] >= top.top - RIM][:, 2]))
     low, high = top.extent(within=RIM)
@@ -119,8 +124,7 @@ def _stripes(low: tuple[float, float], high: tuple[float, float], height: float)
 
 def dump(spot: Spot, container: str) -> None:
     """Take a bin by the nearest part of its rim, tip it over that part onto the free floor, and put it back."""
-    if spot.holding is not None:
-        raise FailedError(f"the hand already holds {spot.holding}")
+    hand_is_empty(spot)
     seen = spot.find(container)[container]
     bin_ = merged(seen)
     middle = bin_.middle(within=RIM)
@@ -172,14 +176,9 @@ RIM_THICKNESS = 0.015
 """Metres under its top at which the rim of a bin is still its rim."""
 
 
-def _holds(spot: Spot, name: str) -> None:
-    if spot.holding != name:
-        raise FailedError(f"{name} is not held" + (f", {spot.holding} is" if spot.holding else ""))
-
-
 _PROGRAMS: Mapping[str, Program] = {
     "PickFromTop": pick_from_top,
-    "PickFromFloor": pick_from_floor,
+    "PickFromFloor": take,
     "PlaceInside": place_inside,
     "WipeAndContinueHoldingEraser": wipe,
     "DumpContentsOntoFloor": dump,

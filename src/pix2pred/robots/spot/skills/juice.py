@@ -8,9 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pix2pred.robots.spot.limbs import FailedError
 from pix2pred.robots.spot.robot import Spot
-from pix2pred.robots.spot.skills.moving import OVER, down, facing, let_go_at, merged, stand_at, take
+from pix2pred.robots.spot.skills.moving import (
+    OVER,
+    down,
+    facing,
+    hand_is_empty,
+    holds,
+    let_go_at,
+    merged,
+    stand_at,
+    take,
+)
 from pix2pred.robots.spot.skills.repertoire import Program, Repertoire
 from pix2pred.structs.space.poses import Array, Pose, turned_about
 
@@ -73,11 +82,6 @@ def _juicer(spot: Spot, name: str) -> Juicer:
     return Juicer(front - MACHINE.front, float(low[1] + high[1]) / 2, table)
 
 
-def pick(spot: Spot, name: str) -> None:
-    """Take a cup or a fruit."""
-    take(spot, name)
-
-
 def place_in_waste_region(spot: Spot, name: str, juicer: str) -> None:
     """Put the held cup under the valve for the waste."""
     _place(spot, name, juicer, MACHINE.waste)
@@ -90,7 +94,7 @@ def place_in_juice_region(spot: Spot, name: str, juicer: str) -> None:
 
 def place_inside(spot: Spot, name: str, juicer: str) -> None:
     """Let go of the held fruit over the hopper."""
-    _holds(spot, name)
+    holds(spot, name)
     machine = _juicer(spot, juicer)
     at = machine.point(0, 0, MACHINE.lid + DROP)
     stand_at(spot, at[:2], [at, at + np.array([0, 0, OVER])])
@@ -99,7 +103,7 @@ def place_inside(spot: Spot, name: str, juicer: str) -> None:
 
 def pour(spot: Spot, source: str, target: str) -> None:
     """Tilt the held vessel over another one."""
-    _holds(spot, source)
+    holds(spot, source)
     into = merged(spot.find(target)[target])
     x, y = into.middle()
     at = np.array([x, y, into.top + POUR_HEIGHT])
@@ -112,7 +116,7 @@ def pour(spot: Spot, source: str, target: str) -> None:
 
 def close_lid(spot: Spot, juicer: str) -> None:
     """Push the lid from behind until it lies on the hopper."""
-    _empty(spot)
+    hand_is_empty(spot)
     machine = _juicer(spot, juicer)
     path = [
         machine.point(0, 0, MACHINE.lid + 0.35),
@@ -125,7 +129,7 @@ def close_lid(spot: Spot, juicer: str) -> None:
 
 def run_machine(spot: Spot, juicer: str, juice_cup: str, waste_cup: str) -> None:
     """Press the switch with a finger."""
-    _empty(spot)
+    hand_is_empty(spot)
     machine = _juicer(spot, juicer)
     dx, dy, dz = MACHINE.switch
     before = machine.point(dx - 0.15, dy, dz)
@@ -139,26 +143,16 @@ def _along(spot: Spot, path: list[Array]) -> None:
 
 
 def _place(spot: Spot, name: str, juicer: str, region: tuple[float, float]) -> None:
-    _holds(spot, name)
+    holds(spot, name)
     machine = _juicer(spot, juicer)
     at = machine.point(*region, CUP)
     stand_at(spot, at[:2], [at, at + np.array([0, 0, OVER])])
     let_go_at(spot, at)
 
 
-def _holds(spot: Spot, name: str) -> None:
-    if spot.holding != name:
-        raise FailedError(f"{name} is not held" + (f", {spot.holding} is" if spot.holding else ""))
-
-
-def _empty(spot: Spot) -> None:
-    if spot.holding is not None:
-        raise FailedError(f"the hand already holds {spot.holding}")
-
-
 _PROGRAMS: Mapping[str, Program] = {
-    "PickContainer": pick,
-    "PickMovable": pick,
+    "PickContainer": take,
+    "PickMovable": take,
     "PlaceInsideWasteValveRegion": place_in_waste_region,
     "PlaceInsideJuiceValveRegion": place_in_juice_region,
     "PlaceInside": place_inside,

@@ -23,10 +23,21 @@ OVER = 0.22
 """Metres over a place from which things are lowered."""
 
 
-def take(spot: Spot, name: str) -> None:
-    """Take a thing that is seen from home. Raises ``FailedError``."""
+def hand_is_empty(spot: Spot) -> None:
+    """Raise ``FailedError`` when the hand holds something."""
     if spot.holding is not None:
         raise FailedError(f"the hand already holds {spot.holding}")
+
+
+def holds(spot: Spot, name: str) -> None:
+    """Raise ``FailedError`` when the hand does not hold the thing called ``name``."""
+    if spot.holding != name:
+        raise FailedError(f"{name} is not held" + (f", {spot.holding} is" if spot.holding else ""))
+
+
+def take(spot: Spot, name: str) -> None:
+    """Take a thing that is seen from home. Raises ``FailedError``."""
+    hand_is_empty(spot)
     seen = spot.find(name)[name][0]
     spot.limbs.grasp(seen.shot, *seen.inner_pixel())
     spot.took(name)
