@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ Checked = tuple[ClaimVerdict, str]
 """What a family says about a claim, and the figures."""
 
 
-class _Claim(BaseModel):
+class _Claim(BaseModel, ABC):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     id: str
@@ -38,6 +39,10 @@ class _Claim(BaseModel):
     text: str
     families: tuple[str, ...] | None = None
     excluded: tuple[str, ...] = Field((), alias="except")
+
+    @abstractmethod
+    def check(self, run: Run, family: str) -> Checked:
+        """What ``family`` says about the claim. Raises ``_NotMeasuredError``."""
 
 
 class _Pair(_Claim):
