@@ -51,7 +51,7 @@ def test_three_large_places_are_an_accident_where_nine_words_could_have_been_it(
     large, held = (data.predicates.index(p) for p in (LARGE, HELD))
     classes = model.partition(range(data.initial))
     assert told_by_chance(model, classes, large, statics) is expected
-    before = Score(100.0, 0.0, True, (), 0)
+    before = Score(100.0, 0.0, True, ())
     sets = {p: ScoredSet(p, (p,), classes, replace(before, total=50.0)) for p in (large, held)}
     assert ExplainedEffort().by_chance(model, sets[large], before, statics) is expected
     assert not ExplainedEffort().by_chance(model, sets[held], before, statics)  # what changes is refuted by time
@@ -109,5 +109,16 @@ class Priced:
 def test_of_candidates_that_cost_the_same_the_one_with_the_smaller_j_is_taken(
     prices: tuple[float, ...], js: tuple[float, ...], expected: int
 ) -> None:
-    sets = [ScoredSet(p, (p,), (), Score(j, 0.0, True, (), 0)) for p, j in enumerate(js)]
+    sets = [ScoredSet(p, (p,), (), Score(j, 0.0, True, ())) for p, j in enumerate(js)]
     assert ExplainedEffort().choose(cast(OperatorModel, Priced(prices)), sets).predicate == expected
+
+
+@pytest.mark.parametrize(("exhausted", "expected"), [(frozenset({0}), True), (frozenset[int](), False)])
+def test_demonstrations_beyond_the_budget_before_and_after_do_not_hide_what_is_saved(
+    exhausted: frozenset[int], expected: bool
+) -> None:
+    """A hundred thousand nodes were looked at in the first one, and how many more there are nobody knows."""
+    before = Score(100_200.0, 0.0, True, (100_000.0, 200.0), frozenset({0}))
+    after = Score(100_080.0, 0.0, True, (100_000.0, 80.0), exhausted)
+    assert ExplainedEffort().worthwhile(before, after, 0.0) is expected
+    assert not ExplainedEffort().worthwhile(before, before, 0.0)

@@ -121,7 +121,7 @@ class Doubting:
 def test_a_doubtful_predicate_is_exchanged_for_one_that_serves_nearly_as_well(j: float, expected: bool) -> None:
     """Where the robot stands may tell in two demonstrations what its hand does, but not always, and save more nodes."""
     model = cast(OperatorModel, Doubting())
-    old, new = (ScoredSet(p, (p,), (), Score(total, 0.0, True, (), 0)) for p, total in ((0, 100.0), (1, j)))
+    old, new = (ScoredSet(p, (p,), (), Score(total, 0.0, True, ())) for p, total in ((0, 100.0), (1, j)))
     assert ExplainedEffort().doubtful(model, [0, 1]) == [0]
     assert ExplainedEffort().replaces(model, new, old, 0) is expected
     costly = replace(new, score=replace(new.score, charges=1000.0))

@@ -71,7 +71,7 @@ def test_a_pinned_static_predicate_is_taken_at_once() -> None:
 
 
 def score(total: float) -> Score:
-    return Score(total, 0.0, True, (total,), 0)
+    return Score(total, 0.0, True, (total,))
 
 
 @pytest.mark.parametrize(

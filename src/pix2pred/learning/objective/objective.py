@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from pix2pred.learning.objective.demo_tasks import DemoTasks, SetTasks
@@ -19,13 +19,14 @@ W_PRED = 1e-4
 @dataclass(frozen=True, slots=True)
 class Score:
     """J of a predicate set; a lower bound when ``exact`` is False. ``demos`` holds J_d where it was computed,
-    ``charges`` is the part of J that is neither nodes nor the cost of predicates."""
+    ``charges`` is the part of J that is neither nodes nor the cost of predicates, ``exhausted`` are the demonstrations
+    whose search ran out of nodes."""
 
     total: float
     charges: float
     exact: bool
     demos: tuple[float | None, ...]
-    budget_hits: int
+    exhausted: frozenset[int] = frozenset()
 
 
 @dataclass(slots=True)
@@ -37,7 +38,7 @@ class PartialSum:
     demos: list[float | None]
     charges: float = 0.0
     exact: bool = True
-    budget_hits: int = 0
+    exhausted: set[int] = field(default_factory=set)
 
     def add(self, d: int, score: DemoScore) -> None:
         """Account for demonstration ``d``."""
@@ -45,7 +46,8 @@ class PartialSum:
         self.charges += score.charges
         self.demos[d] = score.value
         self.exact &= score.exact
-        self.budget_hits += score.budget_hit
+        if score.budget_hit:
+            self.exhausted.add(d)
 
     @property
     def complete(self) -> bool:
@@ -54,7 +56,7 @@ class PartialSum:
 
     def score(self) -> Score:
         """The sum as it stands."""
-        return Score(self.total, self.charges, self.complete, tuple(self.demos), self.budget_hits)
+        return Score(self.total, self.charges, self.complete, tuple(self.demos), frozenset(self.exhausted))
 
 
 TaskKey = tuple[Strips | None, int]

@@ -143,8 +143,13 @@ class ExplainedEffort:
         return j * (1 + self.settings.scepticism * doubt)
 
     def worthwhile(self, before: Score, after: Score, doubt: float) -> bool:
-        saved = before.charges - after.charges
-        return saved >= self.settings.charges or self._weighed(after.total, doubt) <= self.settings.left * before.total
+        """Whether charges or nodes are saved. Demonstrations whose searches ran out of nodes before and after tell
+        nothing of how many nodes there would be, and do not count."""
+        if before.charges - after.charges >= self.settings.charges:
+            return True
+        unknown = before.exhausted & after.exhausted
+        left, all_ = (score.total - sum(score.demos[d] or 0.0 for d in unknown) for score in (after, before))
+        return self._weighed(left, doubt) <= self.settings.left * all_
 
     def hopeful(self, reached: Score, trials: int) -> bool:
         return reached.charges >= self.settings.charges and trials <= self.settings.trials

@@ -75,7 +75,7 @@ class Climb:
     def run(self, progress: Progress = silent) -> Selection:
         """Climb until the rule says to stop or nothing improves J; then learn the final operators."""
         start = self._sets.set_of(self._pinned)
-        self._sets.effort.budget_hits += start.score.budget_hits
+        self._sets.effort.budget_hits += len(start.score.exhausted)
         found = self._climb(start, self._sets, progress)
         rule = self._rule
         if isinstance(rule, Reconsidering):

@@ -105,7 +105,7 @@ class ScoredSets:
         progress(Stage.SELECT, len(candidates), len(candidates), "")
         self.effort.scored += len(candidates)
         self.effort.evaluations += sum(1 + len(self.representatives[p]) for p in candidates)
-        self.effort.budget_hits += sum(part.budget_hits for part in sums)
+        self.effort.budget_hits += sum(len(part.exhausted) for part in sums)
         return [
             ScoredSet(p, (*current.chosen, p), refined[i], sums[i].score())
             for i, p in enumerate(candidates)
