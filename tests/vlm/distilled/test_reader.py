@@ -131,7 +131,7 @@ def test_readers_that_cannot_be_used_are_refused_in_one_sentence(folder: Path, t
     hostile = {
         "holds no reader": ("", weights),
         "damaged": (card, weights[:-100]),
-        "version 3": (card.replace('"version": 2', '"version": 3'), weights),
+        "version 4": (card.replace('"version": 3', '"version": 4'), weights),
         "cannot be read": ("{", weights),
         "distil the reader again": (card.replace('"sure"', '"shure"'), weights),
     }
