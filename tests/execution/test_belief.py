@@ -105,6 +105,22 @@ def test_a_first_look_weighs_labels_against_first_states_of_demonstrations() -> 
     assert found.probability(DONE(B)) == pytest.approx(first), "no label is no evidence"
 
 
+def test_a_probability_that_was_measured_counts_in_place_of_the_error_rate_of_the_predicate() -> None:
+    done = Atom(DONE, (A,))
+
+    def doubt(reading: Reading) -> float:
+        found = belief()
+        found.start(frozenset(), {done: reading})
+        return 1 - found.probability(done)
+
+    word, claimed, measured = (doubt(r) for r in (Reading(True), Reading(True, 0.999), Reading(True, 0.999, True)))
+    assert measured < claimed == pytest.approx(word)
+    assert (
+        doubt(Reading(True, 0.7, True)) == pytest.approx(doubt(Reading(True, 0.7))) and doubt(Reading(True, 0.7)) > word
+    )
+    assert 0.01 < doubt(Reading(True, 1.0, True)) < claimed  # certainty is never taken at its word
+
+
 def test_an_invariant_with_a_given_atom_repairs_a_wrong_label() -> None:
     found = belief()
     found.start(frozenset({HOLDING(H, A)}), labels(free=True))

@@ -194,3 +194,15 @@ class Stoppable(Protocol):
     def stop(self) -> None:
         """End all waiting; questions that wait raise ``NoAnswerError``."""
         ...
+
+
+@runtime_checkable
+class Leaning(Protocol):
+    """A model that can say what it is not sure of, with its probability, in place of asking another.
+
+    Its probabilities were measured on what it had not seen.
+    """
+
+    def leaning(self) -> VLM:
+        """The same model for those who weigh probabilities, and ask again about what they need to know."""
+        ...

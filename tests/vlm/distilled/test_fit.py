@@ -14,7 +14,9 @@ from pix2pred.structs import Box, Image, Picture
 from pix2pred.vlm.distilled.calibration import calibrate
 from pix2pred.vlm.distilled.fitting.fit import fit
 from pix2pred.vlm.distilled.fitting.lesson import Example, Lesson, LessonError
-from pix2pred.vlm.distilled.model import AtomReading, Why
+from pix2pred.vlm.distilled.fitting.naming import by_name
+from pix2pred.vlm.distilled.fitting.rows import ShownObjects
+from pix2pred.vlm.distilled.model import BY_NO_NAME, AtomReading, Why
 from pix2pred.vlm.distilled.regions import COMPANION, RELATION, PictureSeen
 from pix2pred.vlm.distilled.sight import NEAR_SIDE, ORIENTATIONS, Augmentation, PicturePyramid, see, split
 from pix2pred.vlm.offline.label_question import Look
@@ -119,6 +121,48 @@ def test_objects_of_another_domain_under_the_same_names_are_strange() -> None:
         look = Look((replace(picture, boxes=boxes),), TYPES)
         readings += read(look, ("lit", "lamp1"), ("above", "lamp1", "tray"))
     assert len(readings) >= 20 and sum(r.value is None for r in readings) >= 0.95 * len(readings)
+
+
+def test_what_is_usual_does_not_shrink_as_demonstrations_repeat_one_another() -> None:
+    few = lesson(1)
+    again = [f"again {group}" for group in few.groups]
+    repeated = [replace(e, look=e.look + len(few.looks)) for e in few.examples]
+    twice = Lesson([*few.looks, *few.looks], [*few.groups, *again], [*few.examples, *repeated])
+    once, repeating = fit(few, SETTINGS).model, fit(twice, SETTINGS).model
+    for kinds, model in once.kinds.items():
+        assert repeating.kinds[kinds].nearest >= 0.5 * model.nearest
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        look, truth = drawn(rng)
+        atoms = [(word, tuple(names)) for word, *names in truth]
+        assert Why.STRANGE not in {r.why for r in repeating.read(look, atoms)}
+
+
+def test_names_tell_what_never_changes_and_nothing_else() -> None:
+    found = lesson(11, groups=14, each=4, wrong=0.03)
+    heavy = [
+        Example(i, "heavy", (name,), name == "lamp1") for i in range(len(found.looks)) for name in ("lamp1", "lamp2")
+    ]
+    lied = [replace(e, label=not e.label) if i == 7 else e for i, e in enumerate(heavy)]
+    model = fit(Lesson(found.looks, found.groups, [*found.examples, *lied]), SETTINGS).model
+    words = model.kinds["lamp",].words
+    assert words["heavy"].by_name.values == {"lamp1": True, "lamp2": False}
+    assert words["heavy"].by_name.probability > 0.9 and words["lit"].by_name == BY_NO_NAME
+    assert all(word.by_name == BY_NO_NAME for word in model.kinds["lamp", "tray"].words.values())
+    look, _ = drawn(np.random.default_rng(12))
+    atoms = [("heavy", ("lamp1",)), ("heavy", ("lamp2",))]
+    assert [r.value for r in model.read(look, atoms)] == [True, False]
+    seen = words["heavy"].calibration.probability(0.0)
+    assert words["heavy"].probability(0.0, ("lamp3",)) == seen  # a name of which nothing is known says nothing
+    assert words["heavy"].probability(0.0, ("lamp2",)) < seen < words["heavy"].probability(0.0, ("lamp1",))
+
+
+def test_what_differs_from_demonstration_to_demonstration_is_not_told_by_names() -> None:
+    labels = {ShownObjects(i, 0, (name,)): ((i // 3 + len(name)) % 2 == 0, 1.0) for i in range(60) for name in "ab"}
+    assert by_name([str(i // 3) for i in range(60)], labels, 0.85) == BY_NO_NAME
+    steady = {row: (row.names == ("a",), weight) for row, (_, weight) in labels.items()}
+    told = by_name([str(i // 3) for i in range(60)], steady, 0.85)
+    assert told.values == {"a": True, "b": False} and told.odds(("a",)) > 3 and told.odds(("c",)) == 0
 
 
 def without(found: Lesson, word: str) -> Lesson:

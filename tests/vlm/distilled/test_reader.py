@@ -131,7 +131,7 @@ def test_readers_that_cannot_be_used_are_refused_in_one_sentence(folder: Path, t
     hostile = {
         "holds no reader": ("", weights),
         "damaged": (card, weights[:-100]),
-        "version 3": (card.replace('"version": 2', '"version": 3'), weights),
+        "version 4": (card.replace('"version": 3', '"version": 4'), weights),
         "cannot be read": ("{", weights),
         "distil the reader again": (card.replace('"sure"', '"shure"'), weights),
     }
@@ -176,6 +176,7 @@ def test_out_of_sight_keeps_its_value_and_asking_again_gives_no_second_opinion(r
     step = StepToLabel(before, gone, 1, Action(Skill("Hide", (LAMP,)), (OBJECTS[0],)), first)
     after = labeller.next(step, OBJECTS, ATOMS, double_check=False)
     hidden = Atom(LIT, (OBJECTS[0],))
+    assert after.confidence[hidden] == pytest.approx(0.5)  # nobody saw it: no evidence
     assert after.values[hidden] == first.values[hidden] != Label.UNKNOWN
     assert SecondLook(labeller).ask(before, 0, OBJECTS, hidden, 0) == Label.UNKNOWN
 
@@ -247,6 +248,8 @@ def test_a_share_of_sure_answers_is_checked_and_changes_nothing(reader: Distille
     assert {(row["atom"], row["read"]) for row in said["differences"]} == {(words[a], truth[a]) for a in read}
     assert {row["picture"] for row in said["differences"]} == {shown.pictures[0].image.digest}
     assert "distil again" in model.tally.line()
+    labels(model, shown, list(read))
+    assert len(liar.asked) == 1  # the same look is not checked again
 
 
 def test_drift_is_more_than_chance() -> None:

@@ -23,10 +23,15 @@ NO_ANSWER = Answers()
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A label that says true or false; ``confidence`` is the model's own probability of it, where known."""
+    """A label that says true or false; ``confidence`` is the model's own probability of it, where known.
+
+    One that is ``calibrated`` was measured on what was left out, so that nothing else is known of the label's error;
+    models that were not measured are often too sure of themselves.
+    """
 
     value: bool
     confidence: float | None = None
+    calibrated: bool = False
 
 
 Readings = Mapping[Atom, Reading]
@@ -209,7 +214,8 @@ class Belief:
             if track.answers == NO_ANSWER:
                 track.error = self.error(predicate)
             if reading.confidence is not None:
-                track.error = min(MOST_ERROR, max(track.error, 1 - reading.confidence))
+                least = self._settings.misread if reading.calibrated else track.error
+                track.error = min(MOST_ERROR, max(least, 1 - reading.confidence))
             otherwise = self._odds[number] - (0.0 if self._suspected(track) else track.labels)
             if abs(otherwise) > self._certainly:
                 track.compare(reading.value == (otherwise > 0))

@@ -23,6 +23,7 @@ from pix2pred.structs import (
     WorldModel,
 )
 from pix2pred.structs.environment import StepStatus
+from pix2pred.vlm.request import Leaning
 
 ASK_AGAIN = 4
 """Atoms that may be asked about again in one look: a surprise rarely concerns more."""
@@ -139,7 +140,9 @@ class BelievingPerception:
     """A belief that is carried through the executed skills and joined with what is seen."""
 
     def __init__(self, model: WorldModel, task: Task, labeller: StateLabeller, how: Believing) -> None:
-        self._abstraction = Abstraction(task.objects, model.predicates, labeller, about=f"task {task.name}")
+        self._calibrated = isinstance(labeller.vlm, Leaning)
+        leaning = labeller.asking(labeller.vlm.leaning()) if isinstance(labeller.vlm, Leaning) else labeller
+        self._abstraction = Abstraction(task.objects, model.predicates, leaning, about=f"task {task.name}")
         self._second_look = SecondLook(labeller)
         self._objects = task.objects
         self._how = how
@@ -232,7 +235,7 @@ class BelievingPerception:
         labels = self._abstraction.labels
         silent = set(unlabelled(labels))
         return {
-            a: Reading(value == Label.TRUE, labels.confidence.get(a))
+            a: Reading(value == Label.TRUE, labels.confidence.get(a), self._calibrated)
             for a, value in labels.values.items()
             if a not in silent
         }

@@ -71,6 +71,9 @@ class FrugalLabeller:
     together: Together = field(default_factory=Together)
     max_pictures: int | None = None
 
+    def asking(self, vlm: VLM) -> FrugalLabeller:
+        return replace(self, vlm=vlm)
+
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
         asking = replace(self, vlm=Telling(self.vlm, demo.name))
         labels: list[StateLabels] = []

@@ -28,6 +28,9 @@ class Labeller:
     settings: LabelSettings
     together: Together = field(default_factory=Together)
 
+    def asking(self, vlm: VLM) -> Labeller:
+        return replace(self, vlm=vlm)
+
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
         """Labels of all states of a demonstration, strictly in order: each query builds on the answer before."""
         objects, about = demo.objects, f"{demo.name}, state"

@@ -74,6 +74,10 @@ class StateLabeller(Protocol):
         """How much is asked at once."""
         ...
 
+    def asking(self, vlm: VLM) -> StateLabeller:
+        """The same with another model."""
+        ...
+
     def demo(self, demo: Demo, atoms: Sequence[Atom]) -> tuple[StateLabels, ...]:
         """Labels of ``atoms`` in every state of a demonstration."""
         ...

@@ -13,16 +13,19 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pix2pred.system.seeded import draw
-from pix2pred.vlm.distilled.model import AtomReading
+from pix2pred.vlm.distilled.model import AtomReading, Why
 from pix2pred.vlm.distilled.question import LABELLING, about
 from pix2pred.vlm.distilled.reader import DistilledReader, Line, written
 from pix2pred.vlm.distilled.tally import Checked, Tally
 from pix2pred.vlm.offline.label_question import LabelQuestion
 from pix2pred.vlm.offline.prompt_format import AskedAtom
-from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Request, Stoppable, Token
+from pix2pred.vlm.request import VLM, Answer, Finish, NoAnswerError, Purpose, Request, Stoppable, Token
 
 CHECKED = 0.02
 """The share of looks whose sure answers are checked, and so of sure answers."""
+
+_LEANT = frozenset({Why.READ, Why.UNSURE, Why.UNSEEN})
+"""What a reader can lean to something about; of what is strange to it or was not taught it knows nothing."""
 
 SaidOf = Callable[[str, Sequence[str]], Mapping[str, bool]]
 """The values, true or false, that an answer gives to atoms, by their texts."""
@@ -30,13 +33,18 @@ SaidOf = Callable[[str, Sequence[str]], Mapping[str, bool]]
 
 @dataclass(slots=True)
 class Cascade:
-    """Implements ``VLM``. ``said_of`` reads the large model's answers, to compare them with the reader's."""
+    """Implements ``VLM``. ``said_of`` reads the large model's answers, to compare them with the reader's.
+
+    When it ``leans``, the asker weighs probabilities and asks again about what it needs: what the reader is not sure of
+    is told with its probability, and what no picture shows keeps its value. The large model is asked about the rest.
+    """
 
     reader: DistilledReader
     model: VLM
     said_of: SaidOf
     checked: float = CHECKED
     seed: int = 0
+    leans: bool = False
     tally: Tally = field(default_factory=Tally)
 
     @property
@@ -51,22 +59,41 @@ class Cascade:
         question = LabelQuestion.of(request)
         readings = self.reader.readings(question)
         sure = [a for a in question.atoms if readings and all(r[a].value is not None for r in readings.values())]
-        rest = [a for a in question.atoms if a not in set(sure)]
+        leant = self._leant(request, question, readings)
+        told = [a for a in question.atoms if a in {*sure, *leant}]
+        rest = [a for a in question.atoms if a not in {*told}]
         look = _name_of(question)
-        audited = sure if draw(self.seed, look) < self.checked else []
-        known = {number: {a: of_state[a] for a in sure} for number, of_state in readings.items()}
-        lines = self.reader.lines(request.purpose, replace(question, atoms=tuple(sure)), known)
+        audited = [a for a in sure if not self.tally.checked(look, str(a))] if self._audits(look) else []
+        known = {number: {a: leaning(of_state[a]) for a in told} for number, of_state in readings.items()}
+        lines = self.reader.lines(request.purpose, replace(question, atoms=tuple(told)), known)
         asked = [a for a in question.atoms if a in {*rest, *audited}]
         if not asked:
-            self.tally.note(look, [str(a) for a in sure], [], [], None)
+            self.tally.note(look, [str(a) for a in told], [], [], None)
             return written(request.text, lines)
         smaller = about(request, asked)
         if request.review is not None:
             smaller = replace(smaller, review=_reviewing(request, lines))
         answer = self._asked(smaller, lines)
         checks = self._checks(answer, audited, readings)
-        self.tally.note(look, [str(a) for a in sure], [str(a) for a in rest], checks, smaller.key(self.model.name))
+        self.tally.note(look, [str(a) for a in told], [str(a) for a in rest], checks, smaller.key(self.model.name))
         return merged(answer, lines)
+
+    def leaning(self) -> Cascade:
+        """See ``Leaning``."""
+        return replace(self, leans=True)
+
+    def _audits(self, look: str) -> bool:
+        return draw(self.seed, look) < self.checked
+
+    def _leant(
+        self, request: Request, question: LabelQuestion, readings: Mapping[int, Mapping[AskedAtom, AtomReading]]
+    ) -> list[AskedAtom]:
+        """The atoms that are told without being sure. Probabilities have no place in histories and in JSON."""
+        if not self.leans or not readings or request.purpose == Purpose.HISTORY:
+            return []
+        doubtful = [a for a in question.atoms if any(r[a].value is None for r in readings.values())]
+        leant = [a for a in doubtful if all(r[a].why in _LEANT for r in readings.values())]
+        return leant if leant == doubtful or not request.schema else []
 
     def stop(self) -> None:
         """End all waiting of the large model."""
@@ -98,6 +125,11 @@ class Cascade:
                 expected = wrong + error.get((atom.word, len(atom.names)), 0.0)
                 found.append(Checked(str(atom), expected, reading.value, said[str(atom)]))
         return found
+
+
+def leaning(reading: AtomReading) -> AtomReading:
+    """The reading with the likelier value where it is not sure of it."""
+    return replace(reading, value=reading.probability > 0.5) if reading.why == Why.UNSURE else reading
 
 
 def _name_of(question: LabelQuestion) -> str:

@@ -24,12 +24,12 @@ from pix2pred.vlm.distilled.calibration import SCORES, Calibration
 from pix2pred.vlm.distilled.codes import PartCode, RegionCode
 from pix2pred.vlm.distilled.fitting.fit import Fitted
 from pix2pred.vlm.distilled.machine import Kernel, Layout, Rows, WordMachine
-from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, WordReader
+from pix2pred.vlm.distilled.model import Bars, ByName, DistilledModel, KindsModel, WordReader
 from pix2pred.vlm.distilled.sight import PARTS, Array
 
 CARD, WEIGHTS = "card.json", "weights.npz"
-VERSION = 2
-"""The second knows what lies about an object; readers of the first are read as they are."""
+VERSION = 3
+"""The second knows what lies about an object, the third what names tell; earlier readers are read as they are."""
 LARGEST = 20_000_000
 """Bytes of weights that are read: readers have less than a quarter of that."""
 
@@ -67,6 +67,8 @@ class TaughtWordDoc(Document):
     teacher_error: float = Field(description="share of the teacher's labels that the reader takes to be wrong")
     kernel: KernelDoc
     curve: CurveDoc
+    by_name: dict[str, bool] = Field({}, description="of a word that does not change: its value by the object's name")
+    name_right: float = Field(0.5, gt=0, lt=1, description="how probably names are right")
 
 
 class UntaughtDoc(Document):
@@ -95,7 +97,7 @@ class CardDoc(Document):
     """The file ``card.json``."""
 
     format: Literal["pix2pred-distilled-reader"]
-    version: Literal[1, 2]
+    version: Literal[1, 2, 3]
     what: str
     not_for: tuple[str, ...]
     made_from: MadeFrom
@@ -138,6 +140,7 @@ def write_reader(directory: Path, fitted: Fitted, made_from: MadeFrom, settings:
                 right=result.right, teacher_error=result.teacher_error,
                 kernel=KernelDoc(linear=kernel.linear, scale=kernel.scale, parts=kernel.parts),
                 curve=CurveDoc(slope=curve.slope, middle=curve.middle, error=curve.error, most=curve.most),
+                by_name=dict(taught.by_name.values), name_right=taught.by_name.probability,
             )
         )  # fmt: skip
     card = CardDoc(
@@ -230,7 +233,7 @@ def _model(card: CardDoc, arrays: Mapping[str, NDArray[Any]]) -> DistilledModel:
                 weights = _floats(arrays[f"kinds|{k}|word|{doc.word}"])
                 odds = arrays.get(f"kinds|{k}|odds|{doc.word}", doc.curve.slope * (SCORES - doc.curve.middle))
                 curve = Calibration(**doc.curve.model_dump(), odds=odds.astype(np.float64))
-                words[doc.word] = WordReader(WordMachine(kernel, weights), curve)
+                words[doc.word] = WordReader(WordMachine(kernel, weights), curve, ByName(doc.by_name, doc.name_right))
         nearest = float(arrays[f"kinds|{k}|nearest"][0])
         kinds[name] = KindsModel(Rows(layout, rows), _floats(arrays[f"kinds|{k}|relation"]), nearest, words)
     return DistilledModel(regions, kinds, Bars(card.sure, card.strange), card.company)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -54,14 +55,40 @@ class Bars:
 
 
 @dataclass(frozen=True, slots=True)
+class ByName:
+    """What an object's name tells about a word that does not change: ``values``, right with ``probability``."""
+
+    values: Mapping[str, bool]
+    probability: float
+
+    def odds(self, names: Names) -> float:
+        """Log odds of true; 0 for names of which nothing is known."""
+        value = self.values.get(names[0]) if len(names) == 1 else None
+        if value is None:
+            return 0.0
+        odds = math.log(self.probability / (1 - self.probability))
+        return odds if value else -odds
+
+
+BY_NO_NAME = ByName({}, 0.5)
+
+
+@dataclass(frozen=True, slots=True)
 class WordReader:
     """One word about objects of certain kinds.
 
-    ``machine`` gives it a score, which ``calibration`` makes a probability.
+    ``machine`` gives it a score, which ``calibration`` makes a probability; ``by_name`` has a say in words that do not
+    change.
     """
 
     machine: WordMachine
     calibration: Calibration
+    by_name: ByName = BY_NO_NAME
+
+    def probability(self, score: float, names: Names) -> float:
+        """The probability of true, by what is seen and by the object's name: their log odds are added."""
+        seen, odds = self.calibration.probability(score), self.by_name.odds(names)
+        return seen / (seen + (1 - seen) * math.exp(-odds)) if odds else seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +157,7 @@ class DistilledModel:
             for atom, view in self._views(seen, asked):
                 views[atom].append(view)
         return [
-            self._reading(taught[atom], views[atom]) if views[atom] else AtomReading(None, 0.5, why[atom])
+            self._reading(taught[atom], atom[1], views[atom]) if views[atom] else AtomReading(None, 0.5, why[atom])
             for atom in atoms
         ]
 
@@ -176,11 +203,11 @@ class DistilledModel:
                 found[region] = (code, strange)
         return found
 
-    def _reading(self, taught: WordReader, views: Sequence[PictureScore]) -> AtomReading:
+    def _reading(self, taught: WordReader, names: Names, views: Sequence[PictureScore]) -> AtomReading:
         known = [view for view in views if view.strange <= self.bars.strange]
         if not known:
             return AtomReading(None, 0.5, Why.STRANGE)
-        p = taught.calibration.probability(joint([view.score for view in known]))
+        p = taught.probability(joint([view.score for view in known]), names)
         if max(p, 1 - p) < self.bars.sure:
             return AtomReading(None, p, Why.UNSURE)
         return AtomReading(p > 0.5, p, Why.READ)

@@ -100,9 +100,10 @@ def _values(
 
 
 def label_line(atom: AskedAtom, reading: AtomReading, before: bool | None) -> Line:
-    """The line about one atom of one state."""
+    """The line about one atom of one state. A value that is kept because nothing shows it is no evidence: 0.5 sure."""
     if reading.why == Why.UNSEEN:
-        return Line(value_line(atom, before, "No picture shows it; value as before."))
+        word = "" if before is None else "True" if before else "False"
+        return Line(value_line(atom, before, "No picture shows it; value as before."), word, 0.5)
     if reading.value is None:
         return Line(value_line(atom, None, f"The reader does not know: {reading.why}."))
     sure = reading.probability if reading.value else 1 - reading.probability

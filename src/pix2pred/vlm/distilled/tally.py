@@ -55,6 +55,10 @@ class Tally:
             self.checks |= {(look, check.atom): check for check in checks}
             self.questions |= {question} if question is not None else set()
 
+    def checked(self, look: str, atom: str) -> bool:
+        """Whether ``atom`` was checked in this look already: a scene that nothing changed is looked at again."""
+        return (look, atom) in self.checks
+
     @property
     def differed(self) -> int:
         """Checks in which the large model said otherwise."""

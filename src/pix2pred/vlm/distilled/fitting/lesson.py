@@ -41,7 +41,7 @@ class FitSettings(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    sure: float = Field(0.9, gt=0.5, lt=1, description="least probability of an answer; below it, it does not know")
+    sure: float = Field(0.85, gt=0.5, lt=1, description="least probability of an answer; below it, it does not know")
     strange: float = Field(
         1.5, ge=1, le=10, description="most strangeness of what is answered; 1 is the most of demonstrations left out"
     )
