@@ -115,22 +115,20 @@ class Classifier:
     def probability(self, inputs: Vector) -> float:
         """How likely the concept is true."""
         hidden = np.maximum((inputs - self.mean) / self.scale @ self.w1 + self.b1, 0)
-        return float(1 / (1 + np.exp(-np.clip(hidden @ self.w2 + self.b2, -30, 30)).item()))
+        return float(1 / (1 + np.exp(-np.minimum(np.maximum(hidden @ self.w2 + self.b2, -30), 30)).item()))
 
 
 def inputs(scene: Scene, projections: Mapping[str, Projection], names: Sequence[str], types: Sequence[str]) -> Vector:
-    """What a classifier sees of objects that all have usable crops."""
-    parts = []
-    for name, type_name in zip(names, types, strict=True):
-        if (name, type_name) not in scene.sights:
-            crops = scene.crops(name)
-            assert crops is not None, f"{name} has no crops"
-            codes = projections[type_name](crops)
-            scene.sights[name, type_name] = np.concatenate([codes, scene.surroundings(name)])
-        parts.append(scene.sights[name, type_name])
-    if len(names) == 2:
-        parts.append(scene.relation(*names))
-    return np.concatenate(parts)
+    """What a classifier sees of objects that all have usable crops. The scene keeps it: many words ask about them."""
+    key = (*names, *types)
+    if key not in scene.sights and len(names) == 1:
+        crops = scene.crops(names[0])
+        assert crops is not None, f"{names[0]} has no crops"
+        scene.sights[key] = np.concatenate([projections[types[0]](crops), scene.surroundings(names[0])])
+    elif key not in scene.sights:
+        parts = [inputs(scene, projections, [name], [kind]) for name, kind in zip(names, types, strict=True)]
+        scene.sights[key] = np.concatenate([*parts, scene.relation(*names)] if len(names) == 2 else parts)
+    return scene.sights[key]
 
 
 class ReaderModel:

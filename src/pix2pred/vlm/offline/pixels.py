@@ -42,7 +42,7 @@ def is_blank(image: PIL.Image.Image, box: Box) -> bool:
 class Scene:
     """One picture being read; crops, and what one reader makes of them, are kept: many words ask about an object.
 
-    ``sights`` holds the latter by the object's name and type.
+    ``sights`` holds the latter by the names and types of one object or several.
     """
 
     blocks: ClassVar[tuple[int, ...]] = (SIDE**2 * 3, SIDE**2 * 3)
@@ -52,7 +52,7 @@ class Scene:
 
     picture: Picture
     image: PIL.Image.Image = field(init=False)
-    sights: dict[tuple[str, str], Vector] = field(default_factory=dict)
+    sights: dict[tuple[str, ...], Vector] = field(default_factory=dict)
     _crops: dict[str, Vector | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -121,7 +121,7 @@ class Scene:
             second.center[0] - first.center[0], second.center[1] - first.center[1], second.bottom - first.bottom
         )  # fmt: skip
         dx, dy, db = (max(-FARTHEST, min(FARTHEST, offset / scale)) for offset in offsets)
-        near = (np.clip(4 * dx, -1, 1), np.clip(4 * dy, -1, 1), np.clip(4 * db, -1, 1))
+        near = (max(-1.0, min(1.0, 4 * offset)) for offset in (dx, dy, db))
         sizes = (first.width / scale, second.width / scale)
         return np.array([dx, dy, db, *near, abs(dx), abs(db), *sizes], dtype=np.float32)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from pix2pred.structs import Picture
 from pix2pred.vlm.offline.label_question import LabelQuestion, Look
@@ -49,19 +49,21 @@ class OfflineReader:
         if request.purpose == Purpose.DEFINE:
             return Answer(definition_answer(text, self._words))
         question, history = LabelQuestion.of(request), request.purpose == Purpose.HISTORY
+        seen = [(n, look, [self._scene(p, look.types) for p in look.pictures]) for n, look in question.looks.items()]
         lines = []
         for atom in question.atoms:
             value, why = question.before.get(str(atom)), ""
             values: dict[int, bool | None] = {}
-            for number, look in question.looks.items():
-                value, why = self._value(atom, look, value)
+            for number, look, scenes in seen:
+                value, why = self._value(atom, look, scenes, value)
                 values[number] = value
             lines.append(history_line(atom, values) if history else value_line(atom, value, why))
         return Answer("\n".join(lines) if history else label_answer(text, lines))
 
-    def _value(self, atom: AskedAtom, look: Look, before: bool | None) -> tuple[bool | None, str]:
+    def _value(
+        self, atom: AskedAtom, look: Look, scenes: Sequence[Scene], before: bool | None
+    ) -> tuple[bool | None, str]:
         """The value of ``atom`` in a state and what it rests on; ``before`` is its value in the state before."""
-        scenes = [self._scene(picture, look.types) for picture in look.pictures]
         hidden = [n for n in atom.names if all(scene.box(n) is None for scene in scenes)]
         if hidden:
             return before, f"{hidden[0]} has no box in this picture; value as before."
