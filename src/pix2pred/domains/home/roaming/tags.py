@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.room import WALL
+from pix2pred.domains.physics import Maker
 
 CELLS = 10
 """Cells along a side of a printed tag: six of code, one of black border around them and one of white around that."""
