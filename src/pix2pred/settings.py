@@ -13,7 +13,7 @@ from pix2pred.demos import MOST_YAML_BYTES, YamlError, parse_yaml
 from pix2pred.learning import LearningSettings
 from pix2pred.learning.samplers.settings import SamplerSettings
 from pix2pred.predicates import GrammarSettings, LabelSettings, ProposalSettings
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.errors import Pix2predError, first_fault
 from pix2pred.vlm import FlowSettings
 
 
@@ -55,8 +55,7 @@ def resolve(*layers: Layer) -> Settings:
     try:
         return Settings.model_validate(merged)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
+        where, first = first_fault(error)
         place = next((layer.place for layer in reversed(layers) if _says(layer.values, first["loc"])), "settings")
         raise SettingsError(f"{place}: {where}: {first['msg']} (found {first['input']!r})") from error
 

@@ -136,7 +136,7 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
         for previous in (first, flipped):
             action = Action(skill, tuple(args))
             seen.append(
-                labeller.next(StepToLabel(before, after, 1, action, previous), objects, atoms, double_check=True).values
+                labeller.next(StepToLabel(before, after, 1, action, previous, double_check=True), objects, atoms).values
             )
     assert all(values == seen[0] for values in seen)
 
@@ -163,9 +163,7 @@ def test_an_object_without_a_box_keeps_its_previous_value() -> None:
     labeller = Labeller(reader(), LabelSettings())
     first = labeller.first(State((render(raw),)), objects, atoms)
     action = Action(SKILL_OF["Pick"], (objects[-1], objects[0]))
-    after = labeller.next(
-        StepToLabel(State((render(raw),)), State((hidden,)), 1, action, first), objects, atoms, double_check=False
-    )
+    after = labeller.next(StepToLabel(State((render(raw),)), State((hidden,)), 1, action, first), objects, atoms)
     for atom in atoms:
         if "patty1" in [o.name for o in atom.objects]:
             assert after.values[atom] == first.values[atom]

@@ -9,7 +9,7 @@ import numpy as np
 
 from pix2pred.domains.burger.scenes import ROBOT_NAME
 from pix2pred.domains.burger.world import EDGE_CELLS, SIZE, BurgerWorld, Cell, Heading, Thing
-from pix2pred.domains.seeds import worlds_of_looks
+from random_worlds.looks import worlds_of_looks
 
 _ITEM_KINDS = ("patty", "lettuce", "cheese", "bottom_bun", "top_bun")
 _STACKED = 0.5

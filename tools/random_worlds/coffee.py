@@ -27,7 +27,7 @@ from pix2pred.domains.coffee.simulation.geometry import (
     Point,
 )
 from pix2pred.domains.coffee.world import CoffeeWorld, Cup, Gripper
-from pix2pred.domains.seeds import worlds_of_looks
+from random_worlds.looks import worlds_of_looks
 
 MOST_CUPS = 6
 _PERTURBED = 0.4

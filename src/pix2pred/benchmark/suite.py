@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pix2pred.planning import AStar, Bounded, GreedyBestFirst, Planner, Portfolio
 from pix2pred.settings import Layer, Settings, of_project, resolve
 from pix2pred.structs.formats.names import UnknownNameError
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.errors import Pix2predError, first_fault
 
 _SUITES = files("pix2pred.benchmark") / "suites"
 
@@ -184,6 +184,5 @@ def load_suite(name: str) -> Suite:
     except yaml.YAMLError as error:
         raise SuiteError(f"{name}: is no YAML file ({' '.join(str(error).split())[:200]})") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
+        where, first = first_fault(error)
         raise SuiteError(f"{name}: {where or 'suite'}: {first['msg']} (found {str(first['input'])[:80]})") from error

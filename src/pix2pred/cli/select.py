@@ -26,6 +26,7 @@ from pix2pred.learning import (
 from pix2pred.planning.pddl.write import write_domain, write_problem
 from pix2pred.structs import Predicate, WorldModel
 from pix2pred.structs.formats.names import UnknownNameError
+from pix2pred.system.errors import first_fault
 from pix2pred.system.files import write_whole
 from pix2pred.system.parallel import Backend, Workers
 
@@ -92,8 +93,7 @@ def _settings(file: Path, traces: Traces, options: dict[str, Any]) -> LearningSe
     try:
         return LearningSettings.model_validate({**traces.settings, **options})
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
+        where, first = first_fault(error)
         place = f"--{where.replace('_', '-')}" if where in options else f"{file}: $.settings.{where}"
         raise TracesError(f"{place}: {first['msg']}, found {first['input']!r}") from error
 

@@ -23,6 +23,7 @@ from pix2pred.demos.pictures import ENDINGS
 from pix2pred.demos.read import StoredTask, declared_for_tasks, read_one_task
 from pix2pred.demos.scenes import SceneReader
 from pix2pred.structs import Image, Picture, PictureError, State, Task, Vocabulary
+from pix2pred.system.errors import first_fault
 
 STATE = "state.yaml"
 
@@ -132,8 +133,8 @@ def _beside(path: Path, found: list[Problem]) -> tuple[Sheet, StateDoc]:
     except YamlError as error:
         problem = Problem(path, error.line, error.message)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        problem = Problem(path, lined.line(first["loc"]), f"{'.'.join(map(str, first['loc']))}: {first['msg']}")
+        where, first = first_fault(error)
+        problem = Problem(path, lined.line(first["loc"]), f"{where}: {first['msg']}")
     except OSError as error:
         problem = Problem(path, None, f"cannot be read ({error.strerror})")
     raise FolderError([problem])

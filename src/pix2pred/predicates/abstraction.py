@@ -53,8 +53,7 @@ class Abstraction:
         self._actions.append(action)
         if self._asked:
             step = StepToLabel(before, state, len(self._actions), action, self._labels)
-            about = f"{self._about}, state {step.t}"
-            self._labels = self._labeller.next(step, self._objects, self._asked, double_check=False, about=about)
+            self._labels = self._labeller.next(step, self._objects, self._asked, f"{self._about}, state {step.t}")
         return self._held()
 
     def relist(self, given: Iterable[Atom]) -> AbstractState:

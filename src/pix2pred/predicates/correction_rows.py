@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from pix2pred.structs.formats.documents import Description, Document, PredicateName
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.errors import Pix2predError, first_fault
 from pix2pred.system.files import read_regular
 
 CORRECTIONS = "corrections.jsonl"
@@ -99,8 +99,7 @@ def parse_row(text: str | bytes) -> Row:
     try:
         return _ROW.validate_json(text)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
+        where, first = first_fault(error)
         raise CorrectionsError(f"{where}: {first['msg']}" if where else str(first["msg"])) from error
 
 

@@ -133,8 +133,8 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
         args = tuple(next(o for o in objects if o.type == t) for t in skill.types)
         for previous in (first, flipped):
             action = Action(skill, args)
-            step = StepToLabel(before, after, 1, action, previous)
-            seen.append(labeller.next(step, objects, atoms, double_check=True).values)
+            step = StepToLabel(before, after, 1, action, previous, double_check=True)
+            seen.append(labeller.next(step, objects, atoms).values)
     assert all(values == seen[0] for values in seen)
 
 
@@ -158,9 +158,7 @@ def test_what_is_hidden_keeps_its_previous_value(pair: tuple[Picture, Picture], 
     labeller = Labeller(OfflineReader("coffee", model()), LabelSettings())
     first = labeller.first(State((before,)), objects, atoms)
     action = Action(SKILLS[0], tuple(next(o for o in objects if o.type == t) for t in SKILLS[0].types))
-    now = labeller.next(
-        StepToLabel(State((before,)), State((hidden,)), 1, action, first), objects, atoms, double_check=False
-    )
+    now = labeller.next(StepToLabel(State((before,)), State((hidden,)), 1, action, first), objects, atoms)
     for atom in atoms:
         if "jug" in [o.name for o in atom.objects]:
             assert now.values[atom] == first.values[atom]

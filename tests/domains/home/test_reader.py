@@ -115,8 +115,8 @@ def test_the_action_text_and_the_previous_answer_change_no_label_of_a_boxed_obje
             if None in fitting:
                 continue
             other = Action(skill, tuple(o for o in fitting if o is not None))
-            step = StepToLabel(before, after, 1, other, previous)
-            found.append(labeller.next(step, objects, atoms, double_check=True).values)
+            step = StepToLabel(before, after, 1, other, previous, double_check=True)
+            found.append(labeller.next(step, objects, atoms).values)
     assert all(values == found[0] for values in found)
 
 

@@ -108,7 +108,7 @@ def test_the_action_text_changes_no_label() -> None:
     labeller = Labeller(OfflineReader("kitchen", model()), LabelSettings())
     first = labeller.first(before, OBJECTS, atoms())
     found = [
-        labeller.next(StepToLabel(before, after, 1, turn_on(number), first), OBJECTS, atoms(), double_check=True).values
+        labeller.next(StepToLabel(before, after, 1, turn_on(number), first, double_check=True), OBJECTS, atoms()).values
         for number in ("1", "4")
     ]
     assert found[0] == found[1]

@@ -162,8 +162,8 @@ def test_neither_the_skill_nor_the_values_before_change_what_is_read(reader: Dis
     for skill in ("SwitchOn", "Break"):
         for said in (first, replace(first, text=first.text.replace("False", "True"))):
             action = Action(Skill(skill, (LAMP,)), (OBJECTS[0],))
-            step = StepToLabel(before, after, 1, action, said)
-            seen.append(labeller.next(step, OBJECTS, ATOMS, double_check=True).values)
+            step = StepToLabel(before, after, 1, action, said, double_check=True)
+            seen.append(labeller.next(step, OBJECTS, ATOMS).values)
     assert all(values == seen[0] for values in seen)
 
 
@@ -174,7 +174,7 @@ def test_out_of_sight_keeps_its_value_and_asking_again_gives_no_second_opinion(r
     labeller = Labeller(reader, LabelSettings())
     first = labeller.first(before, OBJECTS, ATOMS)
     step = StepToLabel(before, gone, 1, Action(Skill("Hide", (LAMP,)), (OBJECTS[0],)), first)
-    after = labeller.next(step, OBJECTS, ATOMS, double_check=False)
+    after = labeller.next(step, OBJECTS, ATOMS)
     hidden = Atom(LIT, (OBJECTS[0],))
     assert after.confidence[hidden] == pytest.approx(0.5)  # nobody saw it: no evidence
     assert after.values[hidden] == first.values[hidden] != Label.UNKNOWN
@@ -195,7 +195,7 @@ def test_frugal_questions_about_histories_are_read_state_by_state(reader: Distil
     labeller = labeller_for(reader, LabelSettings.model_validate({"protocol": "frugal"}))
     first = labeller.first(before, OBJECTS, ATOMS)
     step = StepToLabel(before, after, 1, Action(Skill("SwitchOn", (LAMP,)), (OBJECTS[0],)), first)
-    last = labeller.next(step, OBJECTS, ATOMS, double_check=False)
+    last = labeller.next(step, OBJECTS, ATOMS)
     for found, truth in ((first.values, then), (last.values, now)):
         assert all((v == Label.TRUE) == truth[a] for a, v in found.items() if v != Label.UNKNOWN)
         assert sum(v != Label.UNKNOWN for v in found.values()) >= 3

@@ -17,7 +17,7 @@ from pix2pred.demos.files.problems import Problem
 from pix2pred.demos.files.sidecar import demo_name
 from pix2pred.demos.files.yaml_lines import MAX_BYTES
 from pix2pred.demos.importers.parquet import ParquetError, rows
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.errors import Pix2predError, first_fault
 
 MAX_EPISODES = 1_000_000
 _PREFIX = "observation.images."
@@ -149,8 +149,7 @@ def read_info(source: Path) -> Info:
             raise DatasetError(file, f"{message}; LeRobot converts from version to version")
         doc = InfoDoc.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
+        where, first = first_fault(error)
         raise DatasetError(file, f"{where}: {first['msg']}") from error
     except (OSError, RecursionError, json.JSONDecodeError, UnicodeDecodeError) as error:
         raise DatasetError(file, f"cannot be read as JSON ({error})") from error

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.domains.home.drawing.bodies import MOUNTS
-from pix2pred.domains.home.drawing.maker import HEIGHT, WIDTH
+from pix2pred.domains.home.drawing.bodies import HEIGHT, MOUNTS, WIDTH
 from pix2pred.domains.home.stage import PhysicalScene, scene_key, stage_for
 from pix2pred.domains.home.world import Body, World
 from pix2pred.domains.physics import Renderer, boxes_of

@@ -26,10 +26,9 @@ def settled(world: World, seconds: float = 1.2) -> World:
     return stage_for(world).settle(world, seconds)
 
 
-def let_go(world: World, name: str, at: Vector, turn: Quaternion = UPRIGHT, seconds: float = 1.2) -> World:
-    """The thing, held or not, falls from ``at``."""
-    dropped = replace(world.with_thing(replace(world.thing(name), at=at, turn=turn)), holding=None)
-    return settled(dropped, seconds)
+def let_go(world: World, name: str, at: Vector) -> World:
+    """The thing, held or not, falls upright from ``at``."""
+    return settled(replace(world.with_thing(replace(world.thing(name), at=at, turn=UPRIGHT)), holding=None))
 
 
 def free_spot(world: World, container: Thing) -> tuple[float, float]:

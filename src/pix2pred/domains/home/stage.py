@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from pix2pred.domains.home.drawing import bodies, fixtures, vessels
-from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.movables import FRUIT_COLOUR, KINDS
 from pix2pred.domains.home.drawing.room import EVEN, SPOTS, furnish
 from pix2pred.domains.home.world import UPRIGHT, Body, Quaternion, Thing, Vector, World, vector
-from pix2pred.domains.physics import mujoco_library
+from pix2pred.domains.physics import Maker, mujoco_library
 
 AWAY: Vector = (0.0, 0.0, -8.0)
 """Where a held thing is that no camera sees."""
@@ -34,7 +33,7 @@ class PhysicalScene:
 
     def __init__(self, world: World, robot: Callable[[Maker], None] = bodies.make_robot) -> None:
         self._mujoco = mujoco_library()
-        maker = Maker()
+        maker = Maker(bodies.WIDTH, bodies.HEIGHT)
         furnish(maker, world.room, world.style, EVEN if world.of_type("juicer") else SPOTS)
         (bodies.make_person if world.body is Body.HUMAN else robot)(maker)
         for thing in world.things:

@@ -1,6 +1,7 @@
-"""What the MuJoCo domains share: finding the library, and a camera that knows where objects are in its pictures."""
+"""What the MuJoCo domains share: the library, building scenes, and cameras that know where objects are in pictures."""
 
 from pix2pred.domains.physics.camera import Camera, Renderer, boxes_of
 from pix2pred.domains.physics.library import OpenGLMissingError, check_drawing, mujoco_library
+from pix2pred.domains.physics.maker import Maker
 
-__all__ = ["Camera", "OpenGLMissingError", "Renderer", "boxes_of", "check_drawing", "mujoco_library"]
+__all__ = ["Camera", "Maker", "OpenGLMissingError", "Renderer", "boxes_of", "check_drawing", "mujoco_library"]

@@ -86,15 +86,7 @@ class FrugalLabeller:
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         return self._by_several_words(Stretch((state,), (), 0, objects, about), atoms)
 
-    def next(
-        self,
-        step: StepToLabel,
-        objects: Sequence[Object],
-        atoms: Sequence[Atom],
-        *,
-        double_check: bool,
-        about: str = "",
-    ) -> StateLabels:
+    def next(self, step: StepToLabel, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         states, known = (step.before, step.after), step.previous.values
         return self._by_several_words(Stretch(states, (step.action,), step.t - 1, objects, about, known), atoms)
 

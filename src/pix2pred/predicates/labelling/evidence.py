@@ -19,7 +19,7 @@ from pix2pred.predicates.labelling.table import Labelling
 from pix2pred.predicates.prompt import atom_text
 from pix2pred.structs import Box, Demo
 from pix2pred.structs.formats.documents import Document
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.errors import Pix2predError, first_fault
 from pix2pred.system.files import read_regular
 
 EVIDENCE = "labels/evidence.json"
@@ -83,8 +83,7 @@ def load_evidence(path: Path) -> Evidence:
     try:
         return Evidence.model_validate(json.loads(read_regular(path)))
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
+        where, first = first_fault(error)
         raise EvidenceError(f"{path}: {where}: {first['msg']}; learn again to write it anew") from error
     except (OSError, ValueError, RecursionError) as error:
         raise EvidenceError(f"{path}: cannot be read as evidence ({error}); learn again to write it anew") from error

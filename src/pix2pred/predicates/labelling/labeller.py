@@ -35,7 +35,7 @@ class Labeller:
         """Labels of all states of a demonstration, strictly in order: each query builds on the answer before."""
         objects, about = demo.objects, f"{demo.name}, state"
         steps = [
-            StepToLabel(demo.states[t - 1], demo.states[t], t, action, StateLabels({}, ""))
+            StepToLabel(demo.states[t - 1], demo.states[t], t, action, StateLabels({}, ""), self.settings.double_check)
             for t, action in enumerate(demo.actions, start=1)
         ]
         after = [*(self._before_and_after(step, objects) for step in steps), ()]
@@ -43,8 +43,7 @@ class Labeller:
         labels = [telling[0].first(demo.states[0], objects, atoms, about=f"{about} 0")]
         for step in steps:
             step, asking = replace(step, previous=labels[-1]), telling[step.t]
-            check = self.settings.double_check
-            labels.append(asking.next(step, objects, atoms, double_check=check, about=f"{about} {step.t}"))
+            labels.append(asking.next(step, objects, atoms, about=f"{about} {step.t}"))
         return tuple(labels)
 
     def first(self, state: State, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
@@ -58,15 +57,7 @@ class Labeller:
         asker = self._asker(Purpose.LABEL, question, about)
         return _merged(self._together(lambda batch: _labels(asker, batch, {}), atoms))
 
-    def next(
-        self,
-        step: StepToLabel,
-        objects: Sequence[Object],
-        atoms: Sequence[Atom],
-        *,
-        double_check: bool,
-        about: str = "",
-    ) -> StateLabels:
+    def next(self, step: StepToLabel, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         """Labels of the state after an action (method 3.4), given the labels of the one before."""
         pictures = self._before_and_after(step, objects)
         crops = sum(view.crop is not None for view in pictures)
@@ -87,7 +78,7 @@ class Labeller:
         def labelled(batch: Sequence[Atom]) -> StateLabels:
             asker = self._asker(Purpose.LABEL, lambda part: (text(part), *pictures), about)
             labels = _labels(asker, batch, carried)
-            if not double_check:
+            if not step.double_check:
                 return labels
             return self._checked(labels, batch, previous, text, pictures, about)
 

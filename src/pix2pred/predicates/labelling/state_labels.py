@@ -47,13 +47,17 @@ class UnusableAnswersError(Pix2predError, RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class StepToLabel:
-    """An action, the states before and after it (``t`` is the number of the latter), and the labels before it."""
+    """An action, the states before and after it (``t`` is the number of the latter), and the labels before it.
+
+    ``double_check`` has the model look over its answer (method 3.5).
+    """
 
     before: State
     after: State
     t: int
     action: Action
     previous: StateLabels
+    double_check: bool = False
 
 
 class StateLabeller(Protocol):
@@ -86,14 +90,6 @@ class StateLabeller(Protocol):
         """Labels of a state of which nothing is known yet; ``about`` names it for people."""
         ...
 
-    def next(
-        self,
-        step: StepToLabel,
-        objects: Sequence[Object],
-        atoms: Sequence[Atom],
-        *,
-        double_check: bool,
-        about: str = "",
-    ) -> StateLabels:
+    def next(self, step: StepToLabel, objects: Sequence[Object], atoms: Sequence[Atom], about: str = "") -> StateLabels:
         """Labels of the state after a skill, given those of the state before."""
         ...

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from pix2pred.robots.detecting.boxes import Convention, convention_of, normalised, written_boxes
+from pix2pred.robots.detecting.boxes import convention_of, normalised, written_boxes
 from pix2pred.robots.detecting.detector import Detection
 from pix2pred.structs import Box, Image, Picture
 from pix2pred.structs.views import View
@@ -21,10 +21,10 @@ LATER = 0.9
 
 
 class VLMDetector:
-    """Asks ``vlm``. ``convention`` says how it writes boxes, where that is known; else every answer tells."""
+    """Asks ``vlm``; how it writes boxes is told by every answer."""
 
-    def __init__(self, vlm: VLM, convention: Convention | None = None) -> None:
-        self._vlm, self._convention = vlm, convention
+    def __init__(self, vlm: VLM) -> None:
+        self._vlm = vlm
 
     def detect(self, picture: Image, descriptors: Sequence[str]) -> Sequence[Detection]:
         found: list[Detection] = []
@@ -33,7 +33,7 @@ class VLMDetector:
             request = Request(Purpose.DETECT, (PROMPT.format(descriptor=descriptor), view), MAX_TOKENS)
             written = written_boxes(self._vlm.answer(request).text)
             shown = view.shown_size
-            how = self._convention or convention_of(written, shown)
+            how = convention_of(written, shown)
             boxes = [b for w in written if (b := normalised(w, shown, how)) is not None]
             scale = picture.size[0] / shown[0], picture.size[1] / shown[1]
             found += [

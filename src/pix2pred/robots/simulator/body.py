@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,14 +31,12 @@ FORGOTTEN = 200
 class SimulatedBody:
     """State and motions. Everything here happens in one thread, after ``advance``."""
 
-    def __init__(
-        self, around: Surroundings, traits: Traits, faults: Faults, seed: int, now: Callable[[], float]
-    ) -> None:
+    def __init__(self, around: Surroundings, traits: Traits, faults: Faults, seed: int) -> None:
         self.around, self.traits, self.faults = around, traits, faults
         self.rng = np.random.default_rng(np.random.SeedSequence((seed, 31)))
-        self.now = now
-        self.leases = Leases(now, traits.lease_patience)
-        self.stops = Stops(now)
+        self.now = time.monotonic
+        self.leases = Leases(self.now, traits.lease_patience)
+        self.stops = Stops(self.now)
         self.place = around.start
         x, y, yaw = self.rng.uniform((-2, -2, -3), (2, 2, 3))
         self.felt = FloorPose(float(x), float(y), float(yaw))  # odometry starts anywhere

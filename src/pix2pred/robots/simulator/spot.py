@@ -26,21 +26,14 @@ SLOWNESS = 0.25
 class SimulatedSpot:
     """What the services of a robot are about. ``make`` builds its surroundings in the thread that will use them."""
 
-    def __init__(
-        self,
-        make: Callable[[], Surroundings],
-        traits: Traits,
-        faults: Sequence[Fault],
-        seed: int,
-        now: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, make: Callable[[], Surroundings], traits: Traits, faults: Sequence[Fault], seed: int) -> None:
         self.traits = traits
         self.faults = Faults(tuple(faults))
         self._thread = ThreadPoolExecutor(1, "world")
         self._ending = threading.Event()
 
         def build() -> tuple[SimulatedBody, Grasping]:
-            body = SimulatedBody(make(), traits, self.faults, seed, now)
+            body = SimulatedBody(make(), traits, self.faults, seed)
             return body, Grasping(body)
 
         self.body, self.grasping = self._thread.submit(build).result()

@@ -61,14 +61,15 @@ class ByWords:
         return Outlines(boxes, dict(zip(names, masks, strict=True)))
 
 
+_NUMBERS = "objects"
+"""The picture of a bridge's answer in which every pixel has the identifier of the object seen there."""
+
+
 class ByBridge:
-    """A detector that runs beside the robot, behind its network-compute bridge; labels are the objects' names.
+    """A detector that runs beside the robot, behind its network-compute bridge; labels are the objects' names."""
 
-    Its answer holds a picture in which every pixel has the identifier of the object seen there.
-    """
-
-    def __init__(self, session: SpotSession, model: str, picture: str = "objects") -> None:
-        self._session, self._model, self._picture = session, model, picture
+    def __init__(self, session: SpotSession, model: str) -> None:
+        self._session, self._model = session, model
 
     def find(self, shot: CameraShot, objects: Sequence[Object]) -> Outlines:
         request = bridge.NetworkComputeRequest()
@@ -80,9 +81,9 @@ class ByBridge:
             answer: Any = client.network_compute_bridge_command(
                 request, timeout=self._session.settings.deadlines.answer
             )
-        if self._picture not in answer.output_images:
+        if _NUMBERS not in answer.output_images:
             raise RobotError(Outcome.NOT_READY, f"the model {self._model!r} of the bridge gives no outlines")
-        image = answer.output_images[self._picture].image_response.shot.image
+        image = answer.output_images[_NUMBERS].image_response.shot.image
         numbers = np.frombuffer(image.data, dtype=np.uint8).reshape(image.rows, image.cols).astype(np.int32)
         turned = upright_numbers(numbers, shot.turn)
         wanted = {o.name for o in objects}

@@ -17,10 +17,10 @@ from pix2pred.robots.spot.surveying.mapping import Enough, Mapped, led, turning
 from pix2pred.structs import Task, Vocabulary
 
 
-def connected(at: SpotAt, certificate: Path | None, settings: SpotSettings = SpotSettings()) -> SpotSession:  # noqa: B008
+def connected(at: SpotAt, certificate: Path | None) -> SpotSession:
     """A session that is not open yet; name and password come from the environment or are asked for."""
     where = Address(at.host, at.port, str(certificate) if certificate else None)
-    return SpotSession(where, credentials(), settings)
+    return SpotSession(where, credentials(), SpotSettings())
 
 
 def spot(

@@ -154,17 +154,15 @@ class Spot:
         """The body seen from the map when a picture was taken."""
         return Pose.on_floor(self.whereabouts.map_from_odom) * shot.body
 
-    def find(
-        self, *names: str, others: Sequence[str] = (), sources: Sequence[str] = FRONT
-    ) -> Mapping[str, Sequence[Found]]:
-        """Where objects are, from the cameras that see them, the one that sees most first.
+    def find(self, *names: str, others: Sequence[str] = ()) -> Mapping[str, Sequence[Found]]:
+        """Where objects are, from the front cameras that see them, the one that sees most first.
 
         Raises ``FailedError`` when one of ``names`` is not seen; ``others`` may be hidden.
         """
-        shots = self.eyes.shots([*sources, *(DEPTH_OF[s] for s in sources)])
+        shots = self.eyes.shots([*FRONT, *(DEPTH_OF[s] for s in FRONT)])
         wanted = [o for o in self.objects if o.name in (*names, *others)]
         found: dict[str, list[Found]] = {n: [] for n in (*names, *others)}
-        for source in sources:
+        for source in FRONT:
             shot, depth = shots[source], shots[DEPTH_OF[source]]
             scale = depth.response.source.depth_scale or 1000.0
             for name, mask in self._outliner.find(shot, wanted).masks.items():

@@ -22,7 +22,7 @@ from pix2pred.structs.formats.knowledge import (
 from pix2pred.structs.formats.names import DeclaredNames, check_distinct
 from pix2pred.structs.formats.writing import operator_doc, predicate_doc, vocabulary_doc
 from pix2pred.structs.world_model import WorldModel
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.errors import Pix2predError, first_fault
 from pix2pred.system.files import read_regular
 
 VERSION = 1
@@ -79,8 +79,7 @@ def load_model(path: Path) -> WorldModel:
     try:
         return _build_model(WorldModelDoc.model_validate(data))
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
+        where, first = first_fault(error)
         raise ModelFileError(f"{path}: {where}: {first['msg']}") from error
     except ValueError as error:
         raise ModelFileError(f"{path}: {error}") from error

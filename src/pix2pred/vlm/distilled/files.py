@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
 from pix2pred.structs.formats.documents import Document
-from pix2pred.system.errors import Pix2predError
+from pix2pred.system.errors import Pix2predError, first_fault
 from pix2pred.system.files import write_whole
 from pix2pred.vlm.distilled.calibration import SCORES, Calibration
 from pix2pred.vlm.distilled.codes import PartCode, RegionCode
@@ -212,8 +212,7 @@ def _read_card(directory: Path) -> tuple[CardDoc, bytes]:
     try:
         return CardDoc.model_validate(document), text
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
+        where, first = first_fault(error)
         raise ReaderFileError(f"{path}: {where}: {first['msg']}; distil the reader again") from error
 
 

@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pix2pred.domains.coffee.scenes import MOST_CUPS
 from pix2pred.domains.coffee.simulation.geometry import (
@@ -57,7 +58,9 @@ class PosedModel:
         half = robot.tilt / 2
         swing = (math.cos(half), 0.0, math.sin(half), 0.0)
         spin = (math.cos(robot.wrist / 2), math.sin(robot.wrist / 2), 0.0, 0.0)
-        self._move("robot", at, _times(swing, spin))
+        hand = np.empty(4)
+        self._mujoco.mju_mulQuat(hand, swing, spin)
+        self._move("robot", at, hand)
         for side, end in ((1, "far"), (-1, "near")):
             self.model.geom_pos[self._geoms[f"robot/finger_{end}"]][1] = side * (robot.fingers / 2 + 0.006)
         self._move("arm", at + turned(Point(-0.105, 0, 0), robot.tilt))
@@ -138,20 +141,10 @@ class PosedModel:
         colour = palette[int(rng.integers(len(palette)))] + rng.uniform(-0.03, 0.03, 3)
         self.model.geom_rgba[self._geoms[geom]] = (*np.clip(colour, 0, 1), 1)
 
-    def _move(self, body: str, at: Point, quat: Sequence[float] = (1, 0, 0, 0)) -> None:
+    def _move(self, body: str, at: Point, quat: ArrayLike = (1, 0, 0, 0)) -> None:
         mocap = int(self.model.body(body).mocapid[0])
         self.data.mocap_pos[mocap] = tuple(at)
-        self.data.mocap_quat[mocap] = tuple(quat)
-
-
-def _times(a: Sequence[float], b: Sequence[float]) -> tuple[float, ...]:
-    """The product of two quaternions."""
-    w, x, y, z = a
-    p, q, r, s = b
-    return (
-        w * p - x * q - y * r - z * s, w * q + x * p + y * s - z * r,
-        w * r - x * s + y * p + z * q, w * s + x * r - y * q + z * p,
-    )  # fmt: skip
+        self.data.mocap_quat[mocap] = quat
 
 
 @cache

@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.domains.home.drawing.maker import Maker
+from pix2pred.domains.physics import Maker
+
+WIDTH, HEIGHT = 640, 480
+"""Pixels of a picture as a camera takes it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.textures import SURFACES
 from pix2pred.domains.home.world import Thing
+from pix2pred.domains.physics import Maker
 
 Rng = np.random.Generator
 

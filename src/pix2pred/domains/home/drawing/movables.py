@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.domains.home.drawing.maker import Maker
+from pix2pred.domains.physics import Maker
 
 Rng = np.random.Generator
 Colour = tuple[float, ...]

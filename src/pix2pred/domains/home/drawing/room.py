@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.textures import SURFACES
+from pix2pred.domains.physics import Maker
 
 Rng = np.random.Generator
 Colour = tuple[float, float, float]

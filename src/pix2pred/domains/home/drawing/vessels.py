@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from pix2pred.domains.home.drawing.maker import Maker
 from pix2pred.domains.home.drawing.movables import BRIGHT_NAMES, FRUIT_COLOUR, bright, bright_number
 from pix2pred.domains.home.world import Thing
+from pix2pred.domains.physics import Maker
 
 Colour = tuple[float, ...]
 

@@ -9,19 +9,21 @@ import numpy as np
 from pix2pred.domains.home.drawing.bodies import (
     ELBOW,
     GREY,
+    HEIGHT,
     LOOKING_HAND,
     MOUNTS,
     SHOULDER,
+    WIDTH,
     YELLOW,
     camera_axes,
     make_cameras,
     make_trunk,
     quaternion,
 )
-from pix2pred.domains.home.drawing.maker import HEIGHT, WIDTH, Maker
 from pix2pred.domains.home.roaming.tags import make_tags
 from pix2pred.domains.home.stage import PhysicalScene
 from pix2pred.domains.home.world import vector
+from pix2pred.domains.physics import Maker
 from pix2pred.structs.space.poses import FloorPose, Pose, quaternion_of
 from pix2pred.structs.space.surroundings import CameraMount
 

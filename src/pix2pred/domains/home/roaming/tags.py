@@ -6,8 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from pix2pred.domains.home.drawing.maker import Maker
+import numpy as np
+from numpy.typing import NDArray
+
 from pix2pred.domains.home.drawing.room import WALL
+from pix2pred.domains.physics import Maker
 
 CELLS = 10
 """Cells along a side of a printed tag: six of code, one of black border around them and one of white around that."""
@@ -46,20 +49,16 @@ TAGS: Sequence[WallTag] = (
 """One before and one behind the one who acts, two at each side, over the furniture and under the pictures' middle."""
 
 
-def bits(number: int) -> tuple[tuple[bool, ...], ...]:
+def bits(number: int) -> NDArray[np.bool_]:
     """The cells of a tag from the top left, white is true; the outermost ring is the white margin."""
-    code = _CODES[number]
-    rows = [[False] * BORDER for _ in range(BORDER)]
-    for k in range(36):
-        rows[1 + k // 6][1 + k % 6] = bool(code >> (35 - k) & 1)
-    white = (True,) * CELLS
-    return (white, *((True, *row, True) for row in rows), white)
+    code = np.array([_CODES[number] >> k & 1 for k in reversed(range(36))], dtype=bool).reshape(6, 6)
+    return np.pad(np.pad(code, 1, constant_values=False), 1, constant_values=True)
 
 
-def make_tags(maker: Maker, tags: Sequence[WallTag] = TAGS) -> None:
+def make_tags(maker: Maker) -> None:
     """Hang the tags on the walls; they are scenery."""
     cell = SIZE / BORDER
-    for tag in tags:
+    for tag in TAGS:
         turn = [math.cos(tag.facing / 2), 0, 0, math.sin(tag.facing / 2)]
         right = (-math.sin(tag.facing), math.cos(tag.facing))  # of one who looks at it
         half = CELLS * cell / 2
@@ -78,10 +77,5 @@ def make_tags(maker: Maker, tags: Sequence[WallTag] = TAGS) -> None:
 def _black_runs(number: int) -> Iterator[tuple[int, int, int]]:
     """Row, first and last column of the black stripes of a tag."""
     for row, cells in enumerate(bits(number)):
-        first = None
-        for column, white in enumerate((*cells, True)):
-            if not white and first is None:
-                first = column
-            elif white and first is not None:
-                yield row, first, column - 1
-                first = None
+        for white, last in np.flatnonzero(np.diff(cells)).reshape(-1, 2).tolist():
+            yield row, white + 1, last

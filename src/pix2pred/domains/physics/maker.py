@@ -8,11 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pix2pred.domains.home.drawing.textures import SIDE
-from pix2pred.domains.physics import mujoco_library
-
-WIDTH, HEIGHT = 640, 480
-"""Pixels of a picture as a camera takes it."""
+from pix2pred.domains.physics.library import mujoco_library
 
 _FRICTION = (0.9, 0.02, 0.004)
 _DENSITY = 250.0
@@ -20,13 +16,13 @@ _DENSITY = 250.0
 
 
 class Maker:
-    """Collects a scene; ``compiled`` gives the model."""
+    """Collects a scene; ``compiled`` gives the model, whose pictures have up to ``width`` by ``height`` pixels."""
 
-    def __init__(self) -> None:
+    def __init__(self, width: int, height: int) -> None:
         mujoco = self._mujoco = mujoco_library()
         self._kinds = mujoco.mjtGeom
-        spec = self._spec = mujoco.MjSpec()
-        spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH, HEIGHT
+        spec = self.spec = mujoco.MjSpec()
+        spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
         spec.visual.quality.offsamples = 4
         spec.visual.headlight.specular = [0.05, 0.05, 0.05]
         spec.visual.map.znear, spec.visual.map.zfar = 0.01, 12.0
@@ -37,12 +33,10 @@ class Maker:
 
     def compiled(self) -> Any:
         """The model."""
-        return self._spec.compile()
+        return self.spec.compile()
 
-    def body(self, name: str, *, free: bool = False, parent: Any = None) -> Any:
+    def body(self, name: str, *, free: bool = False) -> Any:
         """A body placed at run time: ``free`` obeys physics, others stand where they are put."""
-        if parent is not None:
-            return parent.add_body(name=name)
         body = self.world.add_body(name=name, mocap=not free)
         if free:
             body.add_freejoint(name=name)
@@ -52,15 +46,11 @@ class Maker:
         """A material whose pattern repeats every ``size`` metres."""
         mujoco = self._mujoco
         kind = mujoco.mjtTexture.mjTEXTURE_2D
-        texture = self._spec.add_texture(name=name, type=kind, width=SIDE, height=SIDE, nchannel=3)
+        texture = self.spec.add_texture(name=name, type=kind, width=pixels.shape[1], height=pixels.shape[0], nchannel=3)
         texture.data = pixels.tobytes()
-        material = self._spec.add_material(name=name, texuniform=True, texrepeat=[1 / size, 1 / size])
+        material = self.spec.add_material(name=name, texuniform=True, texrepeat=[1 / size, 1 / size])
         material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
         material.specular = 0.1
-
-    def glowing(self, name: str, emission: float) -> None:
-        """A material that shines by itself."""
-        self._spec.add_material(name=name, emission=emission)
 
     def slab(
         self, name: str, half: Sequence[float], at: Sequence[float], colour: Sequence[float] = (1, 1, 1), **more: Any
@@ -113,7 +103,7 @@ class Maker:
                     faces.append((a, b, d))
                 if profile[ring + 1][0] > 0:
                     faces.append((a, d, c))
-        self._spec.add_mesh(
+        self.spec.add_mesh(
             name=name,
             uservert=[float(v) for p in points for v in p],
             userface=[int(i) for f in faces for i in f],
@@ -134,7 +124,7 @@ class Maker:
 
     def ambient(self, strength: float, ahead: float) -> None:
         """Light from everywhere, and some from where one looks from."""
-        headlight = self._spec.visual.headlight
+        headlight = self.spec.visual.headlight
         headlight.ambient, headlight.diffuse = [strength] * 3, [ahead] * 3
 
     def camera(self, body: Any, name: str, at: Sequence[float], turn: Sequence[float], fovy: float) -> None:
@@ -159,8 +149,8 @@ class Maker:
         """Solid geoms collide; those of free bodies have weight, and only solid ones do."""
         if glow:
             material = f"glow{glow:g}"
-            if not any(m.name == material for m in self._spec.materials):
-                self.glowing(material, glow)
+            if not any(m.name == material for m in self.spec.materials):
+                self.spec.add_material(name=material, emission=glow)
         if material:
             more["material"] = material
         if at is not None:
