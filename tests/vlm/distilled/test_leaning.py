@@ -82,7 +82,7 @@ def test_what_no_picture_shows_keeps_its_value_and_is_no_evidence(reader: Distil
     labeller = Labeller(Cascade(reader, large, _said, 0.0).leaning(), LabelSettings())
     before = labeller.first(State(look.pictures), OBJECTS, ATOMS)
     step = StepToLabel(State(look.pictures), gone, 1, hide, before)
-    after = labeller.next(step, OBJECTS, ATOMS, double_check=False)
+    after = labeller.next(step, OBJECTS, ATOMS)
     assert not large.asked and after.values[LIT1] == before.values[LIT1] != Label.UNKNOWN
     assert after.confidence[LIT1] == pytest.approx(0.5)
 
