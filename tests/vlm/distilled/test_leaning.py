@@ -73,6 +73,24 @@ def test_what_it_knows_nothing_of_is_asked_all_the_same(reader: DistilledReader,
     assert said.values[warm] == Label.FALSE and (atom in said.confidence) != structured
 
 
+def test_what_it_leans_to_is_not_told_as_certain_beside_a_check_in_json(reader: DistilledReader) -> None:
+    shown, atom, _ = between(reader)
+    large = Large({}, as_json=True)
+    said = first(Cascade(reader, large, _said, 1.0).leaning(), shown, [*ATOMS], structured=True)
+    assert f"lit({atom.objects[0].name})" in {str(a) for a in asked_atoms(large.asked[0].text)}
+    assert said.values[atom] == Label.TRUE and atom not in said.confidence  # as the large model says
+
+
+def test_probabilities_of_the_large_model_are_not_taken_for_measured_ones(reader: DistilledReader) -> None:
+    shown, atom, _ = between(reader)
+    warm = Atom(WARM, (OBJECTS[1],))
+    large = Large({}, sure=0.99)
+    said = first(Cascade(reader, large, _said, 0.0), shown, [warm])
+    assert said.confidence[warm] == pytest.approx(0.99)
+    said = first(Cascade(reader, large, _said, 0.0).leaning(), shown, [atom, warm])
+    assert said.values[warm] == Label.TRUE and set(said.confidence) == {atom}
+
+
 def test_what_no_picture_shows_keeps_its_value_and_is_no_evidence(reader: DistilledReader) -> None:
     look, _ = drawn(np.random.default_rng(5))
     [picture] = look.pictures

@@ -28,13 +28,13 @@ from pix2pred.vlm.distilled.files import (
     read_reader,
     write_reader,
 )
-from pix2pred.vlm.distilled.reader import DistilledReader
+from pix2pred.vlm.distilled.reader import DistilledReader, Line, written
 from pix2pred.vlm.distilled.tally import Checked, Tally
 from pix2pred.vlm.mailbox import MailboxVLM
 from pix2pred.vlm.mailbox_folder import MailboxFolder
 from pix2pred.vlm.model_spec import ModelNameError
 from pix2pred.vlm.offline.label_question import Look
-from pix2pred.vlm.offline.prompt_format import asked_atoms
+from pix2pred.vlm.offline.prompt_format import asked_atoms, value_line
 from vlm.distilled.lamps import BRIGHT, SETTINGS, TYPES, drawn, taught
 from vlm.test_mailbox import AGES, awaited
 
@@ -77,6 +77,7 @@ class Large:
     name: str = "large:1"
     asked: list[Request] = field(default_factory=list)
     refuses: bool = False
+    sure: float | None = None
 
     def answer(self, request: Request) -> Answer:
         self.asked.append(request)
@@ -86,6 +87,10 @@ class Large:
         if self.as_json:
             rows = [{"atom": a, "explanation": "so", "value": str(v)} for a, v in values.items()]
             return Answer("```json\n" + json.dumps({"values": rows}) + "\n```")
+        if self.sure is not None:
+            return written(
+                request.text, [Line(value_line(a, True, "So."), "True", self.sure) for a in asked_atoms(request.text)]
+            )
         return Answer("\n".join(f"* {atom}: {value}. As I see it." for atom, value in values.items()))
 
 

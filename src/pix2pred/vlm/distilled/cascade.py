@@ -59,11 +59,13 @@ class Cascade:
         question = LabelQuestion.of(request)
         readings = self.reader.readings(question)
         sure = [a for a in question.atoms if readings and all(r[a].value is not None for r in readings.values())]
-        leant = self._leant(request, question, readings)
+        look = _name_of(question)
+        audited = (
+            [a for a in sure if not self.tally.checked(look, str(a))] if draw(self.seed, look) < self.checked else []
+        )
+        leant = self._leant(request, question, readings) if not (request.schema and audited) else []
         told = [a for a in question.atoms if a in {*sure, *leant}]
         rest = [a for a in question.atoms if a not in {*told}]
-        look = _name_of(question)
-        audited = [a for a in sure if not self.tally.checked(look, str(a))] if self._audits(look) else []
         known = {number: {a: leaning(of_state[a]) for a in told} for number, of_state in readings.items()}
         lines = self.reader.lines(request.purpose, replace(question, atoms=tuple(told)), known)
         asked = [a for a in question.atoms if a in {*rest, *audited}]
@@ -74,6 +76,8 @@ class Cascade:
         if request.review is not None:
             smaller = replace(smaller, review=_reviewing(request, lines))
         answer = self._asked(smaller, lines)
+        if self.leans:  # the asker takes probabilities for measured, which a large model's own are not
+            answer = replace(answer, tokens=())
         checks = self._checks(answer, audited, readings)
         self.tally.note(look, [str(a) for a in told], [str(a) for a in rest], checks, smaller.key(self.model.name))
         return merged(answer, lines)
@@ -82,13 +86,13 @@ class Cascade:
         """See ``Leaning``."""
         return replace(self, leans=True)
 
-    def _audits(self, look: str) -> bool:
-        return draw(self.seed, look) < self.checked
-
     def _leant(
         self, request: Request, question: LabelQuestion, readings: Mapping[int, Mapping[AskedAtom, AtomReading]]
     ) -> list[AskedAtom]:
-        """The atoms that are told without being sure. Probabilities have no place in histories and in JSON."""
+        """The atoms that are told without being sure.
+
+        Probabilities have no place in histories, nor in JSON, in which all is told when something is asked.
+        """
         if not self.leans or not readings or request.purpose == Purpose.HISTORY:
             return []
         doubtful = [a for a in question.atoms if any(r[a].value is None for r in readings.values())]
