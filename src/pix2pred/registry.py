@@ -20,7 +20,6 @@ from pix2pred.system.installed import load, named
 from pix2pred.vlm import VLM, AnswerStore, FlowSettings, StoredVLM, StoreMode
 from pix2pred.vlm.answers.replay import REPLAY
 from pix2pred.vlm.control.estimate import EstimatingVLM
-from pix2pred.vlm.distilled.spec import CASCADE_FORM, READER, cascade_kind
 from pix2pred.vlm.hosted.anthropic import Anthropic
 from pix2pred.vlm.hosted.google import Google
 from pix2pred.vlm.hosted.openai import OpenAI
@@ -61,15 +60,18 @@ _APPROACHES = {
 _PROVIDERS: tuple[Provider, ...] = (OpenAI(), Google(), Anthropic(), OpenAICompatible())
 """Providers of hosted models; group ``pix2pred.providers`` for classes without required arguments."""
 
+_DISTILLED = "pix2pred.vlm.distilled.spec"
+_CASCADE_FORM = "cascade:READER,MODEL"
+
 _KINDS: dict[str, Kind] = {
     "offline": OFFLINE,
     **{p.name: kind_of(p) for p in _PROVIDERS},
     "replay": REPLAY,
     "mailbox": MAILBOX,
-    "reader": READER,
+    "reader": Kind("reader:DIR", lambda rest: load(f"{_DISTILLED}:ReaderSpec")(Path(rest))),
 }
 """Kinds of models; group ``pix2pred.models`` for functions of what follows ``KIND:`` that give a ``VLM``."""
-MODEL_FORMS = ", ".join((*(kind.form for kind in _KINDS.values()), CASCADE_FORM))
+MODEL_FORMS = ", ".join((*(kind.form for kind in _KINDS.values()), _CASCADE_FORM))
 """How the models that come along are written, for help texts."""
 
 NO_LIMITS = Spending()
@@ -105,7 +107,8 @@ class Registry(Planners):
         """The model that ``--vlm`` names. Raises ``ModelNameError`` with the forms there are."""
         others = {kind: Kind(f"{kind}:...", MadeSpec.by(load(made))) for kind, made in named("models", {}).items()}
         kinds = others | {p.name: kind_of(p) for p in self.providers()} | _KINDS
-        return read_model(text, kinds | {"cascade": cascade_kind(self.model_spec, _said)})
+        cascade = Kind(_CASCADE_FORM, lambda rest: load(f"{_DISTILLED}:read_cascade")(rest, self.model_spec, _said))
+        return read_model(text, kinds | {"cascade": cascade})
 
     def vlm(
         self, spec: str, domain: str | None, flow: FlowSettings = _DEFAULT_FLOW, limits: Spending = NO_LIMITS

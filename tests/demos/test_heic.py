@@ -12,8 +12,8 @@ from command_line import Cli
 from demos.photo_files import photo
 from extras import need
 from pix2pred.demos.authoring import clean_copy
-from pix2pred.demos.authoring import heic as heic_module
 from pix2pred.demos.authoring.photos import find_photos, taken_at
+from pix2pred.demos.photos import heic as heic_module
 from pix2pred.structs import PictureError
 from pix2pred.system.extras import MissingExtraError
 

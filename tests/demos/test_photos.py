@@ -10,7 +10,8 @@ import pytest
 
 from demos.photo_files import SECRET, photo
 from pix2pred.demos import FolderError
-from pix2pred.demos.authoring.photos import Order, clean_copy, find_photos, taken_at
+from pix2pred.demos.authoring.photos import Order, find_photos, taken_at
+from pix2pred.demos.photos.copies import clean_copy
 from pix2pred.structs import Image
 
 

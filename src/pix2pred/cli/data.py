@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.cli.console import bars, counted, err, out, plain, print_json
-from pix2pred.cli.learn import estimated, project_settings
+from pix2pred.cli.estimating import estimated, project_settings
 from pix2pred.cli.ranges import NOT_NEGATIVE, output_folder
 from pix2pred.demos import Problem, Project, inspect_project, json_schemas, write_project, write_schemas
 from pix2pred.pipeline import LearningProblem, finished_before_it_began

@@ -11,7 +11,8 @@ from cyclopts import Parameter
 from pix2pred.api import load_solver
 from pix2pred.cli.console import UsageError, err, out, print_json, print_solved
 from pix2pred.cli.data import generate
-from pix2pred.cli.learn import ModelToAsk, project_settings, run_learning
+from pix2pred.cli.estimating import project_settings
+from pix2pred.cli.learn import ModelToAsk, run_learning
 from pix2pred.cli.ranges import NOT_NEGATIVE, POSITIVE, output_folder
 from pix2pred.cli.solve import run_solving
 from pix2pred.demos import read_project, read_tasks

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,19 +10,17 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from pix2pred.cli.console import UsageError, bars, err, print_estimated, print_json, print_learned
+from pix2pred.cli.estimating import estimated, expected, project_settings
 from pix2pred.cli.ranges import DOLLARS, NOT_NEGATIVE, WORKERS, between, output_folder, quoted
 from pix2pred.demos import Project, join_projects, project_digest, read_project
-from pix2pred.pipeline import LearningProblem, ask
+from pix2pred.pipeline import LearningProblem
 from pix2pred.registry import MODEL_FORMS, NO_LIMITS, Registry
 from pix2pred.report import REPORT, write_report
 from pix2pred.runs.folder import RunFolder
 from pix2pred.runs.layout import CONFIG
 from pix2pred.runs.learn import learn_into, relearn, run_config
-from pix2pred.settings import Layer, Settings, as_begun, of_file, of_kind, of_options, of_project, resolve
-from pix2pred.system.errors import Pix2predError
+from pix2pred.settings import Layer, Settings, as_begun, of_file, of_options
 from pix2pred.vlm import AnswerStore, StoreMode
-from pix2pred.vlm.control.estimate import EstimatingVLM
-from pix2pred.vlm.control.guard import Expected
 from pix2pred.vlm.model_spec import ModelSpec, Spending
 
 
@@ -153,7 +150,7 @@ def run_learning(
     domain = (project.simulator or {}).get("domain")
     store = AnswerStore(asking.answers or out)
     store.check()
-    limits = replace(asking.limits, estimate=lambda: _expected(registry, project, settings, asking.vlm, store))
+    limits = replace(asking.limits, estimate=lambda: expected(registry, project, settings, asking.vlm, store))
     model = registry.stored(asking.vlm, domain, store, asking.mode, settings.flow, limits)
     with RunFolder(out).locked() as run:
         problem = LearningProblem(project.vocabulary, project.demos, model, settings)
@@ -198,33 +195,3 @@ def _learn_again(folder: Path, unused: list[str], *, as_json: bool) -> None:
         print_json(learned.metrics)
     else:
         print_learned(learned.metrics, learned.selected.model.operators)
-
-
-def project_settings(project: Project, *layers: Layer, begun: Sequence[Layer] = ()) -> Settings:
-    """Defaults, or those of a run that was ``begun``, overridden by the project's own and then by ``layers``.
-
-    Raises ``SettingsError``.
-    """
-    return resolve(of_kind(project.simulator), *begun, of_project(project.sections), *layers)
-
-
-def estimated(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> dict[str, Any]:
-    """What a run would ask, by stage and in all."""
-    return _estimator(registry, project, settings, vlm, store).as_dict()
-
-
-def _expected(
-    registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore
-) -> Expected | None:
-    """What is still to be asked; ``None`` where a dry run ends with an error, which the run will meet itself."""
-    try:
-        return _estimator(registry, project, settings, vlm, store).expected()
-    except Pix2predError:
-        return None
-
-
-def _estimator(registry: Registry, project: Project, settings: Settings, vlm: str, store: AnswerStore) -> EstimatingVLM:
-    """What has counted every question that is not stored."""
-    estimator = registry.estimator(vlm, (project.simulator or {}).get("domain"), store, settings.flow)
-    ask(LearningProblem(project.vocabulary, project.demos, estimator, settings))
-    return estimator

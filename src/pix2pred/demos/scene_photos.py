@@ -13,12 +13,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from pix2pred.demos.authoring.photos import clean_copy
 from pix2pred.demos.declared import Declared
 from pix2pred.demos.files.documents import Sheet, StateDoc
 from pix2pred.demos.files.folders import TASKS
 from pix2pred.demos.files.problems import FolderError, Problem, in_reading_order
 from pix2pred.demos.files.yaml_lines import LinedData, YamlError, parse_yaml
+from pix2pred.demos.photos.copies import clean_copy
 from pix2pred.demos.pictures import ENDINGS
 from pix2pred.demos.read import StoredTask, declared_for_tasks, read_one_task
 from pix2pred.demos.scenes import SceneReader

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import base64
 import io
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import PIL.Image
-from joblib import Parallel, delayed
 
 from pix2pred.structs.states import Image, PictureError
 from pix2pred.system.files import write_whole
@@ -37,7 +38,8 @@ class Album:
 
     def uris(self) -> list[str | None]:
         """A data URI per number; None for pictures that the run does not have."""
-        return list(Parallel(n_jobs=-1, prefer="threads")(delayed(self._uri)(digest) for digest in self._numbers))
+        with ThreadPoolExecutor(os.cpu_count()) as threads:
+            return list(threads.map(self._uri, self._numbers))
 
     def _uri(self, digest: str) -> str | None:
         kept = self._previews / f"{digest}.webp"

@@ -35,7 +35,7 @@ def test_ten_states_and_more_are_in_the_order_of_their_numbers(tmp_path: Path) -
 
 
 def drafts_digest(folder: Path) -> str:
-    from pix2pred.demos.authoring.photos import clean_copy
+    from pix2pred.demos.photos.copies import clean_copy
 
     return clean_copy(next(folder.glob("*.jpg"))).digest
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -12,30 +11,25 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
-import numpy as np
-import PIL.Image
 from joblib import Parallel, delayed
 from PIL.ExifTags import IFD, Base
 from PIL.JpegImagePlugin import JpegImageFile
 from PIL.PngImagePlugin import PngImageFile
 
-from pix2pred.demos.authoring.heic import HEIC_ENDINGS, heic_pixels, is_heic, open_heic
 from pix2pred.demos.files.folders import entries, is_folder, refusal
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import demo_name
-from pix2pred.demos.pictures import ENDINGS, OTHER_PICTURES, PNG_START, how_to_convert, load_picture
-from pix2pred.structs import Image, PictureError, Pixels
+from pix2pred.demos.photos.copies import clean_copy, first_bytes
+from pix2pred.demos.photos.heic import HEIC_ENDINGS, is_heic, open_heic
+from pix2pred.demos.pictures import ENDINGS, OTHER_PICTURES, PNG_START, how_to_convert
+from pix2pred.structs import Image, PictureError
 
 MAIN = "main"
 """The name of the only camera."""
 
-MAX_SIDE = 2048
-"""Longer pictures are scaled down: no model is shown more."""
-
 _MOST_WORKERS = 4
 """Threads that copy photos: each holds one, which is up to 0.2 GB while it is unpacked."""
 
-_JPEG = {"quality": 95, "subsampling": 0, "optimize": False}
 _TIME = "%Y:%m:%d %H:%M:%S"
 _OFFSET = re.compile(r"([-+])(\d{2}):?(\d{2})", re.ASCII)
 
@@ -183,7 +177,7 @@ def taken_at(path: Path) -> TakenAt | None:
 
 
 def _opened(path: Path, file: BinaryIO) -> Any:
-    start = _start(path)
+    start = first_bytes(path)
     return open_heic(path) if is_heic(start) else (PngImageFile if start.startswith(PNG_START) else JpegImageFile)(file)
 
 
@@ -220,39 +214,3 @@ def _clean_copy_or_error(path: Path, max_side: int) -> Image | PictureError:
         return clean_copy(path, max_side)
     except PictureError as error:
         return error
-
-
-def clean_copy(path: Path, max_side: int | None = MAX_SIDE) -> Image:
-    """The pixels of a photo and nothing else: no place, time, owner, thumbnail. Raises ``PictureError``."""
-    start = _start(path)
-    if is_heic(start):
-        pixels = heic_pixels(path)
-        return as_jpeg(pixels if max_side is None else scaled(pixels, max_side))
-    pixels = load_picture(path, max_side)
-    return Image.from_pixels(pixels) if start.startswith(PNG_START) else as_jpeg(pixels)
-
-
-def _start(path: Path) -> bytes:
-    """The first bytes of a file; none of one that cannot be read."""
-    try:
-        with path.open("rb") as file:
-            return file.read(12)
-    except OSError:
-        return b""
-
-
-def scaled(pixels: Pixels, max_side: int) -> Pixels:
-    """``pixels``, scaled down until no side is longer than ``max_side``."""
-    height, width = pixels.shape[:2]
-    if max(height, width) <= max_side:
-        return pixels
-    scale = max_side / max(height, width)
-    size = max(1, round(width * scale)), max(1, round(height * scale))
-    return np.asarray(PIL.Image.fromarray(pixels).resize(size, PIL.Image.Resampling.LANCZOS), dtype=np.uint8)
-
-
-def as_jpeg(pixels: Pixels) -> Image:
-    """A JPEG of high quality: a tenth of the size of a PNG of the same photo."""
-    buffer = io.BytesIO()
-    PIL.Image.fromarray(pixels).save(buffer, "JPEG", **_JPEG)
-    return Image(buffer.getvalue())

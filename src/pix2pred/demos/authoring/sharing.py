@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import PIL.Image
 
-from pix2pred.demos.authoring.photos import as_jpeg
+from pix2pred.demos.photos.copies import as_jpeg
 from pix2pred.demos.pictures import JPEG_START
 from pix2pred.structs import Demo, Image, State, Task
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from pix2pred.demos.authoring.drafts import Draft
-from pix2pred.demos.authoring.photos import MAX_SIDE, Order, PhotoSeries, clean_copies, find_photos
+from pix2pred.demos.authoring.photos import Order, PhotoSeries, clean_copies, find_photos
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import Segment, read_sidecar
+from pix2pred.demos.photos.copies import MAX_SIDE
 from pix2pred.structs import Image
 
 UNKNOWN = ("Not known from photos: where the objects are (boxes), their features, given atoms of the source human.",)

@@ -21,7 +21,6 @@ from itertools import pairwise
 from pathlib import Path
 
 from pix2pred.demos.authoring.drafts import Draft
-from pix2pred.demos.authoring.photos import MAX_SIDE, scaled
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import Segment
 from pix2pred.demos.files.unfilled import UNFILLED
@@ -36,6 +35,7 @@ from pix2pred.demos.importers.lerobot_meta import (
 )
 from pix2pred.demos.importers.lerobot_rows import frame_times, subtasks
 from pix2pred.demos.importers.parquet import picture_rows
+from pix2pred.demos.photos.copies import MAX_SIDE, scaled
 from pix2pred.structs import Image
 from pix2pred.system.extras import optional
 

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pix2pred.demos.authoring.drafts import Draft
-from pix2pred.demos.authoring.photos import MAIN, MAX_SIDE, scaled
+from pix2pred.demos.authoring.photos import MAIN
 from pix2pred.demos.files.folders import entries, is_folder
 from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import Segment
 from pix2pred.demos.importers.frames_of_video import VIDEO_ENDINGS, VideoError, frames_at
+from pix2pred.demos.photos.copies import MAX_SIDE, scaled
 from pix2pred.structs import Image
 from pix2pred.system.extras import optional
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from pix2pred.vlm.distilled.cascade import Cascade, SaidOf
 from pix2pred.vlm.distilled.files import CardDoc, read_reader
 from pix2pred.vlm.distilled.reader import DistilledReader
-from pix2pred.vlm.model_spec import Kind, ModelNameError, ModelSpec, Rates, Setup
+from pix2pred.vlm.model_spec import ModelNameError, ModelSpec, Rates, Setup
 from pix2pred.vlm.request import VLM
 
 
@@ -87,22 +87,14 @@ class CascadeSpec(ModelSpec):
         return self.model.rates
 
 
-CASCADE_FORM = "cascade:READER,MODEL"
-READER = Kind("reader:DIR", lambda rest: ReaderSpec(Path(rest)))
-
-
-def cascade_kind(named: Callable[[str], ModelSpec], said_of: SaidOf) -> Kind:
-    """Cascades, whose large model is what ``named`` makes of the text after the first comma."""
-
-    def read(rest: str) -> ModelSpec:
-        reader, comma, model = rest.partition(",")
-        if not comma or not reader or not model:
-            raise ModelNameError(
-                f"--vlm cascade:{rest[:100]}: needs a reader's folder and a model: cascade:my-reader,openai:gpt-4o"
-            )
-        return CascadeSpec(ReaderSpec(Path(reader)), named(model), said_of)
-
-    return Kind(CASCADE_FORM, read)
+def read_cascade(rest: str, named: Callable[[str], ModelSpec], said_of: SaidOf) -> CascadeSpec:
+    """The cascade ``READER,MODEL``, whose large model is what ``named`` makes of the text after the first comma."""
+    reader, comma, model = rest.partition(",")
+    if not comma or not reader or not model:
+        raise ModelNameError(
+            f"--vlm cascade:{rest[:100]}: needs a reader's folder and a model: cascade:my-reader,openai:gpt-4o"
+        )
+    return CascadeSpec(ReaderSpec(Path(reader)), named(model), said_of)
 
 
 def summary(card: CardDoc) -> str:

@@ -1,0 +1,1 @@
+"""Photos of cameras and telephones: reading them, and copying them without what they tell besides."""
