@@ -61,12 +61,10 @@ def place_inside(spot: Spot, name: str, container: str) -> None:
     seen = spot.find(container, others=others)
     bin_ = merged(seen[container])
     x, y = _free_spot(bin_, [merged(seen[n]) for n in others if seen[n]])
-    at = np.array([x, y, bin_.top + DROP])
-    stand_at(spot, (x, y), [at, at + np.array([0, 0, OVER])])
-    let_go_at(spot, at)
+    let_go_at(spot, np.array([x, y, bin_.top + DROP]))
 
 
-def _free_spot(bin_: Found, things: Sequence[Found]) -> tuple[float, float]:
+def _free_spot(bin_: Found, things: Sequence[Found]) -> Array:
     """The best of a grid of places over a bin."""
     middle, (low, high) = bin_.middle(within=RIM), bin_.extent(within=RIM)
     half = (high - low) / 2
@@ -78,7 +76,7 @@ def _free_spot(bin_: Found, things: Sequence[Found]) -> tuple[float, float]:
         gap -= 0.2 * float(np.linalg.norm(off))
         if gap > best:
             best, spot = gap, middle + off
-    return float(spot[0]), float(spot[1])
+    return spot
 
 
 GRID = 0.5
@@ -99,11 +97,10 @@ def wipe(spot: Spot, name: str, table: str) -> None:
     middle = (low[1] + high[1]) / 2
     for near, far in ((middle, high[1]), (low[1], middle)):
         path = _stripes((float(low[0]), float(near)), (float(high[0]), float(far)), height + ERASER)
-        stand_at(spot, path.mean(axis=0)[:2], [*path, *(path[[0, -1]] + np.array([0, 0, OVER]))], HALF_TABLE)
+        stand_at(spot, path.mean(axis=0)[:2], [*path, *(path[[0, -1]] + OVER)], HALF_TABLE)
         yaw = facing(spot)
-        up = np.array([0.0, 0.0, OVER])
         try:
-            spot.hand([down(path[0] + up, yaw), *(down(p, yaw) for p in path), down(path[-1] + up, yaw)])
+            spot.hand([down(path[0] + OVER, yaw), *(down(p, yaw) for p in path), down(path[-1] + OVER, yaw)])
         except FailedError as error:
             raise FailedError(f"something stands in the eraser's way on {table} ({error})") from error
 
@@ -184,4 +181,4 @@ _PROGRAMS: Mapping[str, Program] = {
     "DumpContentsOntoFloor": dump,
 }
 
-REPERTOIRE = Repertoire(_PROGRAMS, {"movable_object": "Holding"}, "HandEmpty")
+REPERTOIRE = Repertoire(_PROGRAMS, {"movable_object": "Holding"})

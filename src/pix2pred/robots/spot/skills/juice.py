@@ -10,7 +10,6 @@ import numpy as np
 
 from pix2pred.robots.spot.robot import Spot
 from pix2pred.robots.spot.skills.moving import (
-    OVER,
     down,
     facing,
     hand_is_empty,
@@ -55,50 +54,28 @@ POUR_HEIGHT = 0.20
 """Metres over the table at which a vessel pours into another."""
 
 
-@dataclass(frozen=True, slots=True)
-class Juicer:
-    """Where a juicer stands, in metres from the robot's home.
+def _foot(spot: Spot, juicer: str) -> Array:
+    """The middle of a juicer's foot, which faces the robot's home.
 
-    ``x`` and ``y`` are the middle of its foot, ``table`` is the height of the table under it.
+    From what is seen of its front: the pipes on both sides give the middle, the nearest of its foot the front.
     """
-
-    x: float
-    y: float
-    table: float
-
-    def point(self, dx: float, dy: float, dz: float) -> Array:
-        """A place given from the middle of its foot; it faces the robot's home."""
-        return np.array([self.x + dx, self.y + dy, self.table + dz])
-
-
-def _juicer(spot: Spot, name: str) -> Juicer:
-    """From what is seen of its front: the pipes on both sides give the middle, the nearest of its foot the front."""
-    seen = merged(spot.find(name)[name])
+    seen = merged(spot.find(juicer)[juicer])
     heights = seen.points[:, 2]
     table = float(np.percentile(heights, 0.5))
     low, high = seen.extent()
     foot = seen.points[heights < table + 0.05]
     front = float(np.percentile(foot[:, 0], 5)) if len(foot) else float(low[0])
-    return Juicer(front - MACHINE.front, float(low[1] + high[1]) / 2, table)
+    return np.array([front - MACHINE.front, float(low[1] + high[1]) / 2, table])
 
 
-def place_in_waste_region(spot: Spot, name: str, juicer: str) -> None:
-    """Put the held cup under the valve for the waste."""
-    _place(spot, name, juicer, MACHINE.waste)
+def _place_at(offset: tuple[float, float, float]) -> Program:
+    """The program that lets go of the held thing at ``offset`` from the middle of a juicer's foot."""
 
+    def program(spot: Spot, name: str, juicer: str) -> None:
+        holds(spot, name)
+        let_go_at(spot, _foot(spot, juicer) + np.array(offset))
 
-def place_in_juice_region(spot: Spot, name: str, juicer: str) -> None:
-    """Put the held cup under the valve for the juice."""
-    _place(spot, name, juicer, MACHINE.juice)
-
-
-def place_inside(spot: Spot, name: str, juicer: str) -> None:
-    """Let go of the held fruit over the hopper."""
-    holds(spot, name)
-    machine = _juicer(spot, juicer)
-    at = machine.point(0, 0, MACHINE.lid + DROP)
-    stand_at(spot, at[:2], [at, at + np.array([0, 0, OVER])])
-    let_go_at(spot, at)
+    return program
 
 
 def pour(spot: Spot, source: str, target: str) -> None:
@@ -117,48 +94,34 @@ def pour(spot: Spot, source: str, target: str) -> None:
 def close_lid(spot: Spot, juicer: str) -> None:
     """Push the lid from behind until it lies on the hopper."""
     hand_is_empty(spot)
-    machine = _juicer(spot, juicer)
-    path = [
-        machine.point(0, 0, MACHINE.lid + 0.35),
-        machine.point(MACHINE.behind, 0, MACHINE.lid + 0.25),
-        machine.point(0, 0, MACHINE.lid + 0.05),
-        machine.point(0, 0, MACHINE.lid + 0.25),
-    ]
-    _along(spot, path)
+    lid = MACHINE.lid
+    path = [(0, 0, lid + 0.35), (MACHINE.behind, 0, lid + 0.25), (0, 0, lid + 0.05), (0, 0, lid + 0.25)]
+    _along(spot, _foot(spot, juicer) + np.array(path))
 
 
 def run_machine(spot: Spot, juicer: str, juice_cup: str, waste_cup: str) -> None:
     """Press the switch with a finger."""
     hand_is_empty(spot)
-    machine = _juicer(spot, juicer)
     dx, dy, dz = MACHINE.switch
-    before = machine.point(dx - 0.15, dy, dz)
-    _along(spot, [before, machine.point(dx, dy, dz), before])
+    before = (dx - 0.15, dy, dz)
+    _along(spot, _foot(spot, juicer) + np.array([before, MACHINE.switch, before]))
 
 
-def _along(spot: Spot, path: list[Array]) -> None:
-    stand_at(spot, path[0][:2], path)
+def _along(spot: Spot, path: Array) -> None:
+    stand_at(spot, path[0, :2], list(path))
     yaw = facing(spot)
     spot.hand([down(point, yaw) for point in path])
-
-
-def _place(spot: Spot, name: str, juicer: str, region: tuple[float, float]) -> None:
-    holds(spot, name)
-    machine = _juicer(spot, juicer)
-    at = machine.point(*region, CUP)
-    stand_at(spot, at[:2], [at, at + np.array([0, 0, OVER])])
-    let_go_at(spot, at)
 
 
 _PROGRAMS: Mapping[str, Program] = {
     "PickContainer": take,
     "PickMovable": take,
-    "PlaceInsideWasteValveRegion": place_in_waste_region,
-    "PlaceInsideJuiceValveRegion": place_in_juice_region,
-    "PlaceInside": place_inside,
+    "PlaceInsideWasteValveRegion": _place_at((*MACHINE.waste, CUP)),
+    "PlaceInsideJuiceValveRegion": _place_at((*MACHINE.juice, CUP)),
+    "PlaceInside": _place_at((0, 0, MACHINE.lid + DROP)),
     "DumpFromOneIntoOther": pour,
     "CloseLid": close_lid,
     "TurnOnAndRunMachine": run_machine,
 }
 
-REPERTOIRE = Repertoire(_PROGRAMS, {"container": "HoldingContainer", "movable_object": "HoldingObj"}, "HandEmpty")
+REPERTOIRE = Repertoire(_PROGRAMS, {"container": "HoldingContainer", "movable_object": "HoldingObj"})

@@ -19,8 +19,8 @@ STAND_OFF = (0.45, 0.60, 0.35, 0.75, 0.25)
 PLACES = 8
 """Places tried before a thing counts as out of reach."""
 
-OVER = 0.22
-"""Metres over a place from which things are lowered."""
+OVER = np.array([0.0, 0.0, 0.22])
+"""From a place to where things are lowered onto it from, in metres."""
 
 
 def hand_is_empty(spot: Spot) -> None:
@@ -79,13 +79,13 @@ def facing(spot: Spot) -> float:
 
 
 def let_go_at(spot: Spot, at: Array) -> None:
-    """Lower what is held to ``at``, let go, and move the hand up. The robot stands where it reaches it."""
-    above = at + np.array([0.0, 0.0, OVER])
+    """Walk to where the hand reaches ``at``, lower what is held to it, let go, and move the hand up."""
+    stand_at(spot, at[:2], [at, at + OVER])
     yaw = facing(spot)
-    spot.hand([down(above, yaw), down(at, yaw)])
+    spot.hand([down(at + OVER, yaw), down(at, yaw)])
     spot.limbs.open_fingers()
     spot.released()
-    spot.hand([down(above, yaw)])
+    spot.hand([down(at + OVER, yaw)])
     spot.limbs.close_fingers()
 
 
