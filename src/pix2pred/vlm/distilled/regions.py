@@ -25,6 +25,8 @@ SHARED = "@shared"
 """The kind of the region that the objects of an atom share."""
 SCENE = "@scene"
 """The kind of the whole picture, for atoms about nothing in particular."""
+PICTURE = "@picture"
+"""The kind of the whole picture, whatever an atom is about: in a place that was never seen all is strange."""
 RELATION = 6
 """Numbers that say how a second box lies to a first."""
 _FARTHEST = 3.0
