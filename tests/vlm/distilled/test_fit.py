@@ -157,6 +157,13 @@ def test_a_place_that_was_never_seen_makes_all_in_it_strange() -> None:
         assert Why.STRANGE not in {r.why for r in read(look, *atoms)}
 
 
+def test_a_camera_that_shows_none_of_the_things_is_not_even_unpacked() -> None:
+    look, truth = drawn(np.random.default_rng(4))
+    torn = Picture("back", Image(b"torn"), {})
+    atoms = [(word, *names) for word, *names in truth]
+    assert read(replace(look, pictures=(*look.pictures, torn)), *atoms) == read(look, *atoms)
+
+
 def test_names_tell_what_never_changes_and_nothing_else() -> None:
     found = lesson(11, groups=14, each=4, wrong=0.03)
     heavy = [

@@ -154,7 +154,7 @@ class DistilledModel:
                 else:
                     taught[atom] = model.words[atom[0]]
                     asked[kinds].append(atom)
-            for atom, view in self._views(seen, asked):
+            for atom, view in self._views(seen, asked) if asked else ():
                 views[atom].append(view)
         return [
             self._reading(taught[atom], atom[1], views[atom]) if views[atom] else AtomReading(None, 0.5, why[atom])
@@ -166,7 +166,7 @@ class DistilledModel:
     ) -> Iterator[tuple[AtomAsked, PictureScore]]:
         """What a picture says about atoms; each of their regions is looked at once."""
         tuples = {kinds: list(dict.fromkeys(names for _, names in atoms)) for kinds, atoms in asked.items()}
-        coded, scene = self._coded(seen, tuples), self._scene(seen) if asked else 0.0
+        coded, scene = self._coded(seen, tuples), self._scene(seen)
         for kinds, atoms in asked.items():
             model = self.kinds[kinds]
             parts = [[coded[part] for part in _regions(kinds, names)] for names in tuples[kinds]]

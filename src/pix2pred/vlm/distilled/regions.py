@@ -41,11 +41,15 @@ class PictureSeen:
 
     look: Look
     picture: Picture
-    shown: PicturePyramid = field(init=False)
+    _shown: PicturePyramid | None = None
     _blank: dict[str, bool] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        self.shown = PicturePyramid([PIL.Image.fromarray(self.picture.image.pixels())])
+    @property
+    def shown(self) -> PicturePyramid:
+        """The picture, unpacked when something in it is looked at: half of the time, where there are many cameras."""
+        if self._shown is None:
+            self._shown = PicturePyramid([PIL.Image.fromarray(self.picture.image.pixels())])
+        return self._shown
 
     def kinds(self, names: Sequence[str]) -> Kinds | None:
         """The kinds of the objects; ``None`` when one of them has no box here but has one elsewhere."""
