@@ -1,4 +1,4 @@
-"""A picture of what ``distil.py`` measured: shares answered, and questions asked, over the number of episodes.
+"""A picture of what ``distil.py`` measured: shares answered and right, and questions, over the number of episodes.
 
 python benchmarks/distil_curves.py runs/distil/rows.jsonl --out distil.png
 """
@@ -8,32 +8,45 @@ from __future__ import annotations
 import argparse
 import json
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-Rows = Sequence[dict[str, Any]]
+Row = dict[str, Any]
+Share = Callable[[Row], tuple[float, float]]
+"""Of a row a part and the whole that it is a part of; both are summed over seeds."""
 
 
-def draw(axes: Axes, rows: Rows, part: str, whole: str) -> None:
-    """``part`` as a share of ``whole``, summed over seeds: a line for every family and share of wrong labels."""
+def answered(row: Row) -> tuple[float, float]:
+    return row["answered"] * row["atoms"], row["atoms"]
+
+
+def right(row: Row) -> tuple[float, float]:
+    return row["right"] * row["answered"] * row["atoms"], row["answered"] * row["atoms"]
+
+
+def asked(row: Row) -> tuple[float, float]:
+    return row["questions"], row["questions_of_teacher"]
+
+
+def draw(axes: Axes, rows: Sequence[Row], share: Share) -> None:
+    """A line for every family and share of wrong labels of which there is more than one number of episodes."""
     families = sorted({(row["domain"], row["family"]) for row in rows})
-    rates = sorted({row["rate"] for row in rows})
+    rates = sorted({row["rate"] for row in rows}, reverse=True)
     for number, (domain, family) in enumerate(families):
         for rate, line in zip(rates, ("-", "--", ":"), strict=False):
-            parts: defaultdict[int, float] = defaultdict(float)
-            wholes: defaultdict[int, float] = defaultdict(float)
+            sums: defaultdict[int, tuple[float, float]] = defaultdict(lambda: (0.0, 0.0))
             for row in rows:
                 if (row["domain"], row["family"], row["rate"]) == (domain, family, rate):
-                    parts[row["episodes"]] += row[part] * (row[whole] if part == "answered" else 1)
-                    wholes[row["episodes"]] += row[whole]
-            counts = sorted(parts)
-            shares = [100 * parts[c] / max(1, wholes[c]) for c in counts]
-            label = f"{domain} {family}, {rate:.0%} wrong"
-            if counts:
+                    part, whole = share(row)
+                    sums[row["episodes"]] = sums[row["episodes"]][0] + part, sums[row["episodes"]][1] + whole
+            if len(sums) > 1:
+                counts = sorted(sums)
+                shares = [100 * sums[c][0] / max(1, sums[c][1]) for c in counts]
+                label = f"{domain} {family}, {rate:.0%} wrong"
                 axes.plot(counts, shares, line, color=f"C{number}", marker="o", markersize=3, label=label)
     axes.set(xlabel="episodes", xlim=(-1, 51))
     axes.grid(alpha=0.3)
@@ -45,15 +58,21 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("distil.png"))
     arguments = parser.parse_args()
     rows = [json.loads(line) for line in arguments.rows.read_text().splitlines()]
-    figure = Figure(figsize=(10, 4), layout="constrained")
-    answered, asked = figure.subplots(1, 2)
-    draw(answered, rows, "answered", "atoms")
-    draw(asked, rows, "questions", "questions_of_teacher")
-    answered.set(ylabel="atoms answered, %", ylim=(0, 102))
-    asked.set(ylabel="questions, % of the teacher's alone", ylim=(-2, 102))
-    answered.axhline(90, color="grey", linewidth=0.8)
-    asked.axhline(10, color="grey", linewidth=0.8)
-    figure.legend(*answered.get_legend_handles_labels(), loc="outside right upper", fontsize=7, frameon=False)
+    figure = Figure(figsize=(12, 4), layout="constrained")
+    panels = figure.subplots(1, 3)
+    bars = (
+        ("atoms answered, %", answered, 90),
+        ("of these right, %", right, 98),
+        ("questions, % of the teacher's", asked, 10),
+    )
+    for axes, (label, share, bar) in zip(panels, bars, strict=True):
+        draw(axes, rows, share)
+        axes.axhline(bar, color="grey", linewidth=0.8)
+        axes.set_ylabel(label)
+    panels[0].set_ylim(60, 101)
+    panels[1].set_ylim(90, 100.3)
+    panels[2].set_ylim(bottom=-1)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7, frameon=False)
     figure.savefig(arguments.out, dpi=130, metadata={"Software": None})
 
 

@@ -138,6 +138,32 @@ def test_what_is_usual_does_not_shrink_as_demonstrations_repeat_one_another() ->
         assert Why.STRANGE not in {r.why for r in repeating.read(look, atoms)}
 
 
+def test_a_place_that_was_never_seen_makes_all_in_it_strange() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(10):
+        look, truth = drawn(rng)
+        [picture] = look.pictures
+        pixels = picture.image.pixels().copy()
+        elsewhere = np.ones(pixels.shape[:2], dtype=bool)
+        for box in picture.boxes.values():  # the things themselves, and what is about them, are as ever
+            top, bottom, left, right = (
+                round(v) for v in (box.top - 14, box.bottom + 14, box.left - 14, box.right + 14)
+            )
+            elsewhere[max(0, top) : bottom, max(0, left) : right] = False
+        pixels[elsewhere] = (20, 60, 10)
+        moved = Look((replace(picture, image=Image.from_pixels(pixels)),), TYPES)
+        atoms = [(word, *names) for word, *names in truth]
+        assert {r.why for r in read(moved, *atoms)} == {Why.STRANGE}
+        assert Why.STRANGE not in {r.why for r in read(look, *atoms)}
+
+
+def test_a_camera_that_shows_none_of_the_things_is_not_even_unpacked() -> None:
+    look, truth = drawn(np.random.default_rng(4))
+    torn = Picture("back", Image(b"torn"), {})
+    atoms = [(word, *names) for word, *names in truth]
+    assert read(replace(look, pictures=(*look.pictures, torn)), *atoms) == read(look, *atoms)
+
+
 def test_names_tell_what_never_changes_and_nothing_else() -> None:
     found = lesson(11, groups=14, each=4, wrong=0.03)
     heavy = [

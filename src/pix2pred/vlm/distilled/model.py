@@ -13,7 +13,7 @@ import numpy as np
 from pix2pred.vlm.distilled.calibration import Calibration
 from pix2pred.vlm.distilled.codes import RegionCode
 from pix2pred.vlm.distilled.machine import Compared, Rows, WordMachine
-from pix2pred.vlm.distilled.regions import Kinds, Names, PictureSeen, kinds_of_regions, regions_of
+from pix2pred.vlm.distilled.regions import PICTURE, Kinds, Names, PictureSeen, kinds_of_regions, regions_of
 from pix2pred.vlm.distilled.sight import Array
 from pix2pred.vlm.offline.label_question import Look
 
@@ -154,7 +154,7 @@ class DistilledModel:
                 else:
                     taught[atom] = model.words[atom[0]]
                     asked[kinds].append(atom)
-            for atom, view in self._views(seen, asked):
+            for atom, view in self._views(seen, asked) if asked else ():
                 views[atom].append(view)
         return [
             self._reading(taught[atom], atom[1], views[atom]) if views[atom] else AtomReading(None, 0.5, why[atom])
@@ -166,7 +166,7 @@ class DistilledModel:
     ) -> Iterator[tuple[AtomAsked, PictureScore]]:
         """What a picture says about atoms; each of their regions is looked at once."""
         tuples = {kinds: list(dict.fromkeys(names for _, names in atoms)) for kinds, atoms in asked.items()}
-        coded = self._coded(seen, tuples)
+        coded, scene = self._coded(seen, tuples), self._scene(seen)
         for kinds, atoms in asked.items():
             model = self.kinds[kinds]
             parts = [[coded[part] for part in _regions(kinds, names)] for names in tuples[kinds]]
@@ -178,11 +178,16 @@ class DistilledModel:
             ])  # fmt: skip
             compared = Compared(codes, model.rows)
             nearest = compared.squared(model.rows.layout.own).min(axis=1) / np.float32(model.nearest)
-            strange = np.maximum(np.sqrt(nearest), [max(strange for _, strange in row) for row in parts])
+            strange = np.maximum(np.sqrt(nearest), [max(scene, *(strange for _, strange in row)) for row in parts])
             place = {names: i for i, names in enumerate(tuples[kinds])}
             scores = {word: model.words[word].machine.scores(compared) for word in dict.fromkeys(w for w, _ in atoms)}
             for word, names in atoms:
                 yield (word, names), PictureScore(float(scores[word][place[names]]), float(strange[place[names]]))
+
+    def _scene(self, seen: PictureSeen) -> float:
+        """How strange the picture looks as a whole; readers made before this was asked take every picture."""
+        whole = self.regions.get(PICTURE)
+        return 0.0 if whole is None else float(whole(seen.vectors([()])).strange[0])
 
     def _coded(
         self, seen: PictureSeen, tuples: Mapping[Kinds, Sequence[Names]]

@@ -25,6 +25,8 @@ SHARED = "@shared"
 """The kind of the region that the objects of an atom share."""
 SCENE = "@scene"
 """The kind of the whole picture, for atoms about nothing in particular."""
+PICTURE = "@picture"
+"""The kind of the whole picture, whatever an atom is about: in a place that was never seen all is strange."""
 RELATION = 6
 """Numbers that say how a second box lies to a first."""
 _FARTHEST = 3.0
@@ -39,11 +41,15 @@ class PictureSeen:
 
     look: Look
     picture: Picture
-    shown: PicturePyramid = field(init=False)
+    _shown: PicturePyramid | None = None
     _blank: dict[str, bool] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        self.shown = PicturePyramid([PIL.Image.fromarray(self.picture.image.pixels())])
+    @property
+    def shown(self) -> PicturePyramid:
+        """The picture, unpacked when something in it is looked at: half of the time, where there are many cameras."""
+        if self._shown is None:
+            self._shown = PicturePyramid([PIL.Image.fromarray(self.picture.image.pixels())])
+        return self._shown
 
     def kinds(self, names: Sequence[str]) -> Kinds | None:
         """The kinds of the objects; ``None`` when one of them has no box here but has one elsewhere."""

@@ -20,17 +20,39 @@ _FOLDS = 3
 """Components are made again without each third of the demonstrations to see what they leave out of it."""
 _LEAST_RESIDUAL = 0.02
 """Of parts that hardly differ at all: a smaller distance is rounding."""
+LIGHT = 0.04
+"""Whole pictures whose numbers differ by less, in their root mean square, show the same: no more than light differs."""
 
 
 def region_code(vectors: Array, groups: NDArray[np.int64]) -> RegionCode:
     """The code of a kind of region, from vectors of shape (n, LENGTH) and the demonstration each belongs to."""
     parts = split(vectors.astype(np.float32))
-    return RegionCode({name: _part_code(part, groups, COMPONENTS[name]) for name, part in parts.items()})
+    return RegionCode(
+        {name: _part_code(part, groups, COMPONENTS[name], _LEAST_RESIDUAL) for name, part in parts.items()}
+    )
 
 
-def _part_code(part: Array, groups: NDArray[np.int64], count: int) -> PartCode:
+def picture_code(vectors: Array, groups: NDArray[np.int64]) -> RegionCode:
+    """The code of whole pictures. Each that differs counts once, or what is usual would shrink as episodes repeat."""
+    kept: list[int] = []
+    shown = np.zeros(vectors.shape, dtype=np.float32)
+    lengths = np.zeros(len(vectors), dtype=np.float32)
+    for i, vector in enumerate(vectors.astype(np.float32)):
+        count = len(kept)
+        apart = lengths[:count] + vector @ vector - 2 * (shown[:count] @ vector)
+        if not count or apart.min() > LIGHT**2 * vectors.shape[1]:
+            shown[count], lengths[count] = vector, vector @ vector
+            kept.append(i)
+    parts = split(vectors[kept].astype(np.float32))
+    return RegionCode({
+        name: _part_code(part, groups[kept], COMPONENTS[name], LIGHT * np.sqrt(part.shape[1]))
+        for name, part in parts.items()
+    })  # fmt: skip
+
+
+def _part_code(part: Array, groups: NDArray[np.int64], count: int, least: float) -> PartCode:
     mean, components, spread = _components(part, count)
-    residual = _LEAST_RESIDUAL
+    residual = least
     numbers = np.unique(groups)
     for fold in np.array_split(numbers, min(_FOLDS, len(numbers))):
         out = np.isin(groups, fold)

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from pix2pred.system.progress import Progress, Stage, silent
 from pix2pred.vlm.distilled.codes import RegionCode
-from pix2pred.vlm.distilled.fitting.components import region_code, spreads_in_kernel
+from pix2pred.vlm.distilled.fitting.components import picture_code, region_code, spreads_in_kernel
 from pix2pred.vlm.distilled.fitting.lesson import FitSettings, Lesson, LessonError
 from pix2pred.vlm.distilled.fitting.naming import by_name
 from pix2pred.vlm.distilled.fitting.rows import (
@@ -26,7 +26,7 @@ from pix2pred.vlm.distilled.fitting.rows import (
 from pix2pred.vlm.distilled.fitting.teaching import Ints, TaughtWord, WordRows, teach
 from pix2pred.vlm.distilled.machine import COMPANY, Compared, Layout, Rows
 from pix2pred.vlm.distilled.model import Bars, DistilledModel, KindsModel, WordReader
-from pix2pred.vlm.distilled.regions import Kinds, kinds_of_regions
+from pix2pred.vlm.distilled.regions import PICTURE, Kinds, kinds_of_regions
 from pix2pred.vlm.distilled.sight import Array
 
 USUAL_NEAREST = 0.98
@@ -112,7 +112,10 @@ def _fit(lesson: Lesson, settings: FitSettings, progress: Progress) -> Fitted:
     }
     found = thinned(found, settings)
     seen = see_rows(lesson, found, settings)
-    regions = {kind: region_code(vectors, seen.groups[kind]) for kind, vectors in seen.vectors.items()}
+    regions = {
+        kind: (picture_code if kind == PICTURE else region_code)(vectors, seen.groups[kind])
+        for kind, vectors in seen.vectors.items()
+    }
     fold = folds_of([lesson.groups[row.look] for group in found.values() for row in group.rows], settings.folds)
     bars = Bars(settings.sure, settings.strange)
     kinds_models: dict[Kinds, KindsModel] = {}

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pix2pred.vlm.distilled.fitting.lesson import FitSettings, Lesson
-from pix2pred.vlm.distilled.regions import Kinds, Names, PictureSeen, kinds_of_regions, regions_of
+from pix2pred.vlm.distilled.regions import PICTURE, Kinds, Names, PictureSeen, kinds_of_regions, regions_of
 from pix2pred.vlm.distilled.sight import UNCHANGED, Array, Augmentation
 
 MOVED, SCALED, BRIGHTER, CONTRASTED = 0.03, 0.05, 0.04, 0.06
@@ -130,7 +130,7 @@ def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSetti
     rng = np.random.default_rng([settings.seed, 1])
     for (number, p), members in sorted(wanted.items()):
         seen = PictureSeen(lesson.looks[number], lesson.looks[number].pictures[p])
-        regions: dict[tuple[str, Names], int] = {}
+        regions: dict[tuple[str, Names], int] = {(PICTURE, ()): 0}
         for kinds, r in members:
             names = rows[kinds][r].names
             relations[kinds][r] = seen.relation(names, company)
@@ -141,6 +141,8 @@ def see_rows(lesson: Lesson, found: dict[Kinds, RowsOfKinds], settings: FitSetti
             new = seen.vectors([region for _, region in regions], change).astype(np.float16)
             index = {}
             for (kind, region), vector in zip(regions, new, strict=True):
+                if kind == PICTURE and c:
+                    continue  # a picture that is moved shows its edge
                 index[kind, region] = len(vectors[kind])
                 vectors[kind].append(vector)
                 groups[kind].append(names_of_groups.index(lesson.groups[number]))
