@@ -196,7 +196,7 @@ class SceneReader:
             boxes = self.boxes((*loc, "pictures", camera), (doc.pictures or {}).get(camera, {}))
             pictures.append(Picture(camera, Image(paths[camera]), boxes))
         if self._check is not None:
-            self._check.look({p.camera: Shown(paths[p.camera], p.boxes) for p in pictures}, loc)
+            self._check.look({p.camera: Shown(paths[p.camera], p.image, p.boxes) for p in pictures}, loc)
         return tuple(pictures)
 
     def boxes(self, loc: Loc, docs: Mapping[str, tuple[float, ...]]) -> dict[str, Box]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import product
 
 _UNSPEAKABLE = re.compile(r"[^A-Za-z0-9]+")
@@ -64,13 +65,18 @@ class Object:
     @property
     def prompt_name(self) -> str:
         """What prompts call it: the descriptor, or else the name, as one word of letters, digits and ``_``."""
-        return _UNSPEAKABLE.sub("_", self.descriptor).strip("_") or self.name.replace("-", "_")
+        return _prompt_name(self.descriptor, self.name)
 
     def __lt__(self, other: Object) -> bool:
         return (self.name, self.type.name, self.descriptor) < (other.name, other.type.name, other.descriptor)
 
     def __str__(self) -> str:
         return self.name
+
+
+@lru_cache(maxsize=1024)
+def _prompt_name(descriptor: str, name: str) -> str:
+    return _UNSPEAKABLE.sub("_", descriptor).strip("_") or name.replace("-", "_")
 
 
 @dataclass(frozen=True, slots=True)

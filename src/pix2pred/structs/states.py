@@ -177,7 +177,8 @@ class Image:
         """(width, height) in pixels, upright. Raises ``PictureError``."""
         with self._opened() as opened:
             width, height = opened.size
-            if isinstance(opened, PngImageFile) and not any(mark in self.encoded for mark in _TURNED_PNG):
+            content = self.encoded
+            if isinstance(opened, PngImageFile) and not any(mark in content for mark in _TURNED_PNG):
                 return width, height  # to look for EXIF data in a PNG, Pillow unpacks all of it
             sideways = opened.getexif().get(PIL.ExifTags.Base.Orientation) in _SIDEWAYS
             return (height, width) if sideways else (width, height)
