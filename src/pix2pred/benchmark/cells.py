@@ -159,10 +159,9 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What a job did: new rows, and the seconds and queries they took."""
+    """The seconds and queries that a job took."""
 
     place: str
-    tried: int
     seconds: float
     queries: dict[str, dict[str, int]]
 
@@ -180,7 +179,7 @@ def run_job(job: Job) -> Done:
                 run.write_json(f"{job.place}/{name}/cell.json", row.document())
     seconds = round(time.perf_counter() - start, 3)
     queries = job.model.usage.as_dict() if tried else {}
-    return Done(job.place, tried, seconds, queries)
+    return Done(job.place, seconds, queries)
 
 
 class _Cell:

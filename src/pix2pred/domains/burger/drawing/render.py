@@ -73,7 +73,7 @@ def _layout(world: BurgerWorld) -> list[_Placed]:
     for thing in world.things:
         if thing.name != world.held:
             drawing = sprite(thing.type, thing.name, world.look, prepared=thing.prepared)
-            top = thing.cell.row * UNITS - _rise(world, thing.cell.row, thing.z)
+            top = thing.cell.row * UNITS - _rise(thing.cell.row, thing.z)
             entries.append(
                 ((thing.cell.row, thing.z), _Placed(thing.name, drawing, thing.cell.col * UNITS, top, thing.z == 0))
             )
@@ -81,7 +81,7 @@ def _layout(world: BurgerWorld) -> list[_Placed]:
     return ordered if world.held is None else [*ordered, _in_gripper(world, world.held)]
 
 
-def _rise(world: BurgerWorld, row: int, z: int) -> int:
+def _rise(row: int, z: int) -> int:
     """Pixels that level ``z`` lies higher than the floor; levels beyond the upper edge of the picture pile up there."""
     return min(z * LEVEL, row * UNITS + UNITS - 52)
 
