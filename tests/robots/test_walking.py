@@ -29,7 +29,7 @@ def post(x: float, y: float, radius: float = 0.1) -> Stands:
 
 
 def walked(goal: FloorPose, stands: Stands, drift: Drift | None = None) -> Walk:
-    return walk(1, START, START, (goal,), 0.0, math.inf, drift or Drift(), Traits(), stands)
+    return walk(START, START, (goal,), 0.0, math.inf, drift or Drift(), Traits(), stands)
 
 
 def test_a_free_way_is_straight_and_ends_at_its_goal() -> None:
@@ -80,14 +80,14 @@ def test_odometry_arrives_and_the_robot_is_beside_it() -> None:
 
 def test_a_velocity_means_what_it_says_at_any_pace() -> None:
     for pace in (1.0, 20.0):
-        made = drive(1, START, START, FloorPose(0.5, 0.0, 0.0), 2.0, 0.0, Drift(), pace, free)
+        made = drive(START, START, FloorPose(0.5, 0.0, 0.0), 2.0, 0.0, Drift(), pace, free)
         assert made.lasts == pytest.approx(2.0 * pace)
         assert made.at(pace)[1].x == pytest.approx(0.5)
         assert made.at(math.inf)[1].x == pytest.approx(1.0)
-    turned = drive(1, START, START, FloorPose(0.0, 0.0, 0.5), 2.0, 0.0, Drift(), 1.0, free).at(math.inf)[1]
+    turned = drive(START, START, FloorPose(0.0, 0.0, 0.5), 2.0, 0.0, Drift(), 1.0, free).at(math.inf)[1]
     assert turned.yaw == pytest.approx(1.0)
 
 
 def test_a_velocity_stops_where_something_stands() -> None:
-    made = drive(1, START, START, FloorPose(0.5, 0.0, 0.0), 4.0, 0.0, Drift(), 1.0, post(1.0, 0.0))
+    made = drive(START, START, FloorPose(0.5, 0.0, 0.0), 4.0, 0.0, Drift(), 1.0, post(1.0, 0.0))
     assert 0.8 < made.at(math.inf)[1].x < 0.9

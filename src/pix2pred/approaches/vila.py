@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, count
 from typing import Any
 
 from pix2pred.approaches.approach import Training
@@ -76,7 +76,7 @@ class ViLaAgent:
         """The one query about a task."""
         proposal = self.training.problem.settings.proposal
         marks, size = proposal.marks, proposal.longest_side
-        images = _Images(marks)
+        numbers = count()
         vocabulary = self.training.problem.vocabulary
         explained = self.training.problem.settings.labels.protocol is LabelProtocol.FRUGAL
         text = fill(
@@ -93,9 +93,9 @@ class ViLaAgent:
             parts.append(example_text(d, demo))
             for t, state in enumerate(demo.states):
                 shown = views(state, t, demo.objects, marks=marks, longest_side=size)
-                parts += images.of(shown, f"Demonstration {d}, State {t}, ")
+                parts += _numbered(shown, f"Demonstration {d}, State {t}, ", numbers)
         shown = views(task.initial, 0, task.objects, marks=marks, longest_side=size)
-        parts += images.of(shown, "Initial state to plan from, ")
+        parts += _numbered(shown, "Initial state to plan from, ", numbers)
         return Request(Purpose.PLAN, tuple(parts), ANSWER_TOKENS)
 
 
@@ -105,19 +105,9 @@ def _meanings(goal: Iterable[Atom]) -> str:
     return f"\n{titled('What this means:', meaning_lines(described).splitlines())}".rstrip()
 
 
-class _Images:
-    """Numbers the pictures of a prompt in their headings."""
-
-    def __init__(self, marks: bool) -> None:
-        self._count = 0
-
-    def of(self, shown: Iterable[View], heading: str) -> list[View]:
-        """``shown`` with headings that end in ``Image <number>``."""
-        numbered = []
-        for view in shown:
-            numbered.append(replace(view, heading=f"{heading}Image {self._count}"))
-            self._count += 1
-        return numbered
+def _numbered(shown: Iterable[View], heading: str, numbers: Iterator[int]) -> list[View]:
+    """``shown`` with headings that end in ``Image <number>``."""
+    return [replace(view, heading=f"{heading}Image {next(numbers)}") for view in shown]
 
 
 def skill_line(skill: Skill, *, explained: bool = False) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
@@ -121,7 +121,7 @@ class Job:
         found = []
         for name in self.approaches:
             if reason := self.excluded(name):
-                found.append(self.cell_row(name, *reason))
+                found.append(self.row(name, None, *reason))
                 continue
             cell = self.folder / self.place / name
             for path in (*cell.glob("cell.json"), *sorted(cell.glob("task-*.json"))):
@@ -152,17 +152,16 @@ class Job:
             )
         return all((cell / f"task-{i:03d}.json").exists() for i in range(self.suite.tasks_of(self.family)))
 
-    def cell_row(self, name: str, outcome: TryOutcome, detail: str) -> Row:
-        """The row of an approach that is not tried."""
-        return Row(name, self.family.name, self.value, self.seed, None, outcome, detail=detail)
+    def row(self, name: str, task: str | None, outcome: TryOutcome, detail: str) -> Row:
+        """The row of a try of the approach ``name``; without a ``task``, of an approach that is not tried."""
+        return Row(name, self.family.name, self.value, self.seed, task, outcome, detail=detail)
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What a job did: new rows, and the seconds and queries they took."""
+    """The seconds and queries that a job took."""
 
     place: str
-    tried: int
     seconds: float
     queries: dict[str, dict[str, int]]
 
@@ -176,11 +175,11 @@ def run_job(job: Job) -> Done:
             try:
                 tried += _Cell(job, name, run).finish()
             except NotAvailableError as error:
-                row = job.cell_row(name, TryOutcome.NOT_AVAILABLE, str(error))
+                row = job.row(name, None, TryOutcome.NOT_AVAILABLE, str(error))
                 run.write_json(f"{job.place}/{name}/cell.json", row.document())
     seconds = round(time.perf_counter() - start, 3)
     queries = job.model.usage.as_dict() if tried else {}
-    return Done(job.place, tried, seconds, queries)
+    return Done(job.place, seconds, queries)
 
 
 class _Cell:
@@ -258,17 +257,15 @@ class _Cell:
             cause = Cause.UNDETERMINED
         if episode.failure == Failure.BUDGET:
             outcome = TryOutcome.BUDGET
-        return Row(
-            self._name, self._job.family.name, self._job.value, self._job.seed, stored.task.name, outcome,
-            str(episode.failure or ""), str(cause), episode.detail, len(episode.plan), episode.nodes, known, wrong,
+        row = self._job.row(self._name, stored.task.name, outcome, episode.detail)
+        return replace(
+            row, failure=str(episode.failure or ""), cause=str(cause), plan_length=len(episode.plan),
+            nodes=episode.nodes, labels=known, label_errors=wrong,
         )  # fmt: skip
 
     def _failed(self, i: int, why: str) -> Row:
-        task = self._tasks[i].task.name
-        return Row(
-            self._name, self._job.family.name, self._job.value, self._job.seed, task, TryOutcome.FAILED,
-            "no answer", "", " ".join(why.split())[:300],
-        )  # fmt: skip
+        row = self._job.row(self._name, self._tasks[i].task.name, TryOutcome.FAILED, " ".join(why.split())[:300])
+        return replace(row, failure="no answer")
 
     def _truth_in_demos(self, predicates: Sequence[Predicate]) -> TruthInDemo | None:
         domain = self._job.domain

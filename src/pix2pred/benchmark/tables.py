@@ -7,6 +7,7 @@ import io
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 from pix2pred.benchmark.claims import Judged, Printed, Published, judge, judge_interim
 from pix2pred.benchmark.rows import TryOutcome
@@ -200,10 +201,7 @@ def summary_csv(run: Run) -> str:
 def comparison(left: Run, right: Run) -> str:
     """Two runs side by side: tries both made of the same task, how many only one solved, and a paired test."""
     rows = []
-
-    def key(r: object) -> tuple[object, ...]:
-        return tuple(getattr(r, name) for name in ("approach", "family", "value", "seed", "task"))
-
+    key = attrgetter("approach", "family", "value", "seed", "task")
     others = {key(r): r for r in right.rows if r.outcome.scored}
     groups: dict[tuple[str, str], list[tuple[bool, bool]]] = {}
     for row in left.rows:

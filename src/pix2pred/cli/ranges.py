@@ -33,7 +33,6 @@ SHARE = between(0, 1)
 PORT = between(0, 65_535)
 WORKERS = between(1, MOST_WORKERS)
 DOLLARS = between(0, 1_000_000)
-SECONDS = between(0.001, 31_536_000)
 
 
 def output_file(kind: Any, value: Path | None) -> None:

@@ -7,11 +7,16 @@ from collections.abc import Iterator, Sequence
 
 from pix2pred.structs.space.poses import Array, FloorPose
 
+STAND_OFF = (0.45, 0.60, 0.35, 0.75, 0.25)
+"""Metres between the nose and what is worked at, as tried."""
+
 DIRECTIONS = 24
 """Places tried around a target: every 15 degrees."""
 
 
-def around(target: Sequence[float] | Array, here: FloorPose, distances: Sequence[float]) -> Iterator[FloorPose]:
+def around(
+    target: Sequence[float] | Array, here: FloorPose, distances: Sequence[float] = STAND_OFF
+) -> Iterator[FloorPose]:
     """Places whose nose is at one of ``distances`` from ``target`` and points to it, the least way from ``here`` first.
 
     A turn by one radian counts as half a metre of way. Earlier distances are preferred where the way is the same.

@@ -77,7 +77,7 @@ def test_what_something_else_hides_has_no_box(kitchen_table: CoffeeWorld) -> Non
 def test_the_coffee_that_flows_belongs_to_no_object(kitchen_table: CoffeeWorld) -> None:
     from pix2pred.domains.coffee.simulation.motion import spout_over
 
-    at = spout_over(kitchen_table.cup("cup1"), 0.045)
+    at = spout_over(kitchen_table.cup("cup1"))
     jug = replace(kitchen_table.jug, held=True, at=at - GRIP, level=3.0)
     pouring = replace(kitchen_table, robot=Gripper(at, POUR_TILT, 0.0, CLOSED), jug=jug)
     dry = replace(pouring, jug=replace(jug, level=0.0))

@@ -17,43 +17,15 @@ NODES: tuple[type[ast.AST], ...] = (
     ast.Attribute, ast.operator, ast.unaryop, ast.boolop, ast.cmpop, ast.expr_context,
 )  # fmt: skip
 
-METHODS = frozenset(
-    [
-        "get",
-        "objects",
-        "append",
-        "add",
-        "items",
-        "keys",
-        "values",
-        "count",
-        "index",
-        "startswith",
-        "endswith",
-        "lower",
-        "upper",
-    ]
-)
+METHODS = frozenset((
+    "get", "objects", "append", "add", "items", "keys", "values", "count", "index", "startswith", "endswith", "lower",
+    "upper",
+))  # fmt: skip
 
-MATH = frozenset(
-    [
-        "sqrt",
-        "hypot",
-        "floor",
-        "ceil",
-        "fabs",
-        "isclose",
-        "sin",
-        "cos",
-        "tan",
-        "atan2",
-        "acos",
-        "asin",
-        "pi",
-        "inf",
-        "dist",
-    ]
-)
+MATH = frozenset((
+    "sqrt", "hypot", "floor", "ceil", "fabs", "isclose", "sin", "cos", "tan", "atan2", "acos", "asin", "pi", "inf",
+    "dist",
+))  # fmt: skip
 
 BUILTINS = (
     "abs", "all", "any", "bool", "dict", "enumerate", "filter", "float", "int", "len", "list", "map", "max", "min",

@@ -39,12 +39,11 @@ Order = Literal["auto", "time", "name"]
 
 @dataclass(frozen=True, slots=True)
 class PhotoSeries:
-    """The photos of one demonstration in order, by camera; ``by_time`` says what the order rests on."""
+    """The photos of one demonstration in order, by camera; ``note`` says what the order rests on."""
 
     name: str
     folder: Path
     cameras: Mapping[str, tuple[Path, ...]]
-    by_time: bool
     note: str
 
     def __len__(self) -> int:
@@ -142,10 +141,10 @@ def _in_order(
     if times and not by_time:
         note += f"; {len(photos) - len(times)} of {len(photos)} say no time they were taken"
     if not by_time:
-        return PhotoSeries(name, folder, {c: tuple(paths) for c, paths in cameras.items()}, False, note)
+        return PhotoSeries(name, folder, {c: tuple(paths) for c, paths in cameras.items()}, note)
     moments = {path: time.moment(zoned=zoned) for path, time in times.items()}
     ordered = {c: tuple(sorted(paths, key=moments.__getitem__)) for c, paths in cameras.items()}  # stable: then by name
-    return PhotoSeries(name, folder, ordered, True, note)
+    return PhotoSeries(name, folder, ordered, note)
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -25,14 +24,7 @@ from pix2pred.demos.files.problems import FolderError, Problem
 from pix2pred.demos.files.sidecar import Segment
 from pix2pred.demos.files.unfilled import UNFILLED
 from pix2pred.demos.importers.frames_of_video import frames_at
-from pix2pred.demos.importers.lerobot_meta import (
-    CameraColumn,
-    DatasetError,
-    Info,
-    RecordedEpisode,
-    read_episodes,
-    read_info,
-)
+from pix2pred.demos.importers.lerobot_meta import CameraColumn, DatasetError, RecordedEpisode, read_episodes, read_info
 from pix2pred.demos.importers.lerobot_rows import frame_times, subtasks
 from pix2pred.demos.importers.parquet import picture_rows
 from pix2pred.demos.photos.copies import MAX_SIDE, scaled
@@ -48,13 +40,13 @@ def drafts_of_lerobot(source: Path, segments: Sequence[Segment] = (), *, max_sid
     optional("pyarrow", "lerobot")
     found: list[Problem] = []
     try:
-        info = read_info(source)
-        if any(camera.is_video for camera in info.cameras):
+        dataset = read_info(source)
+        if any(camera.is_video for camera in dataset.cameras):
             optional("av", "lerobot")
-        episodes = read_episodes(source, info)
+        episodes = read_episodes(dataset)
         if not segments:
-            return tuple(_of_subtasks(episode, info, source, max_side) for episode in episodes.values())
-        drafts = [_draft(segment, info, episodes, source, max_side, found) for segment in segments]
+            return tuple(_of_subtasks(episode, max_side) for episode in episodes.values())
+        drafts = [_draft(segment, episodes, max_side, found) for segment in segments]
     except DatasetError as error:
         raise FolderError.about(error.file, str(error)) from error
     except FolderError:
@@ -66,23 +58,18 @@ def drafts_of_lerobot(source: Path, segments: Sequence[Segment] = (), *, max_sid
     return tuple(draft for draft in drafts if draft)
 
 
-def _of_subtasks(episode: RecordedEpisode, info: Info, source: Path, max_side: int) -> Draft:
+def _of_subtasks(episode: RecordedEpisode, max_side: int) -> Draft:
     """The draft of a whole episode: a state before its first subtask, and one after each."""
-    parts = subtasks(source, info, episode)
+    parts = subtasks(episode)
     frames = (parts[0].first, *(min(part.end, episode.length - 1) for part in parts))
     name = f"episode-{episode.number}"
-    pictures = _Pictures(source, info, episode, frames, name, max_side)
+    pictures = _pictures(episode, frames, name, max_side)
     actions = tuple(f"{UNFILLED}: {part.words}" for part in parts)
-    return Draft(name, actions, pictures, notes=_notes(source, info, episode))
+    return Draft(name, actions, pictures, notes=_notes(episode))
 
 
 def _draft(
-    segment: Segment,
-    info: Info,
-    episodes: Mapping[int, RecordedEpisode],
-    source: Path,
-    max_side: int,
-    found: list[Problem],
+    segment: Segment, episodes: Mapping[int, RecordedEpisode], max_side: int, found: list[Problem]
 ) -> Draft | None:
     doc = segment.doc
     number = doc.source
@@ -99,8 +86,8 @@ def _draft(
     except FolderError as error:
         found += error.problems
         return None
-    times = frame_times(source, info, episode)
-    late = next((i for i, moment in enumerate(moments) if moment >= times[-1] + 0.5 / info.fps), None)
+    times = frame_times(episode)
+    late = next((i for i, moment in enumerate(moments) if moment >= times[-1] + 0.5 / episode.dataset.fps), None)
     if late is not None:
         message = f"episode {number} ends at {times[-1]:.2f} s; nothing shows {moments[-1]:g} s"
         found.append(segment.problem(("steps", late - 1) if late else ("start",), message))
@@ -111,9 +98,9 @@ def _draft(
             found.append(segment.problem(("steps", i), f"begins and ends in one frame, {frame}"))
             return None
     where = f"{segment.sheet.file.name}: {doc.name}"
-    pictures = _Pictures(source, info, episode, tuple(frames), where, max_side)
+    pictures = _pictures(episode, frames, where, max_side)
     actions = tuple(s.do for s in doc.steps)
-    return Draft(doc.name, actions, pictures, doc.objects, doc.goal, _notes(source, info, episode))
+    return Draft(doc.name, actions, pictures, doc.objects, doc.goal, _notes(episode))
 
 
 def _nearest(times: Sequence[float], moment: float) -> int:
@@ -124,11 +111,11 @@ def _nearest(times: Sequence[float], moment: float) -> int:
     return after - 1 if after and moment - times[after - 1] < times[after] - moment - 1e-9 else after
 
 
-def _notes(source: Path, info: Info, episode: RecordedEpisode) -> tuple[str, ...]:
+def _notes(episode: RecordedEpisode) -> tuple[str, ...]:
     """Where the demonstration comes from, and what is not brought over."""
     tasks = "; ".join(task.rstrip(".") for task in episode.tasks)[:300]
-    left = ", ".join(info.numbers) or "none"
-    missing = [c.name for c in info.cameras if c not in episode.cameras(source, info)]
+    left = ", ".join(episode.dataset.numbers) or "none"
+    missing = [c.name for c in episode.dataset.cameras if c not in episode.cameras()]
     absent = (f"No footage of this episode from the camera {', '.join(missing)}.",) if missing else ()
     return (
         f"Episode {episode.number} of a LeRobot dataset{f', whose task is: {tasks}' if tasks else ''}.",
@@ -138,44 +125,37 @@ def _notes(source: Path, info: Info, episode: RecordedEpisode) -> tuple[str, ...
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Pictures:
+def _pictures(
+    episode: RecordedEpisode, frames: Sequence[int], where: str, max_side: int
+) -> Iterator[Mapping[str, Image]]:
     """The pictures of the states of a segment, camera after camera, given state by state."""
+    cameras = episode.cameras()
+    if not cameras:
+        message = f"no camera has footage of episode {episode.number} (for {where})"
+        raise FolderError.about(episode.dataset.source, message)
+    streams = {camera.name: _stream(episode, camera, frames, where, max_side) for camera in cameras}
+    for _ in frames:
+        yield {name: next(stream) for name, stream in streams.items()}
 
-    source: Path
-    info: Info
-    episode: RecordedEpisode
-    frames: tuple[int, ...]
-    where: str
-    max_side: int
 
-    def __iter__(self) -> Iterator[Mapping[str, Image]]:
-        streams = {camera.name: self._of(camera.key, camera.is_video) for camera in self._cameras()}
-        for _ in self.frames:
-            yield {name: next(stream) for name, stream in streams.items()}
-
-    def _of(self, key: str, is_video: bool) -> Iterator[Image]:
-        path = self.source
-        try:
-            if is_video:
-                path, begin = self.episode.video(self.source, self.info, key)
-                seconds = [begin + frame / self.info.fps for frame in self.frames]  # videos are evenly spaced
-                for pixels in frames_at(path, seconds, self.source):
-                    yield Image.from_pixels(scaled(pixels, self.max_side))
-            else:
-                path = self.episode.data(self.source, self.info)
-                wanted = [(self.episode.number, frame) for frame in self.frames]
-                for encoded in picture_rows(path, key, wanted, self.source):
-                    yield Image.from_pixels(scaled(Image(encoded).pixels(), self.max_side))
-        except FolderError:
-            raise
-        except ValueError as error:  # of the video, the table, the picture, or a path that cannot be
-            raise FolderError.about(path, f"{key}: {error} (for {self.where})") from error
-
-    def _cameras(self) -> Sequence[CameraColumn]:
-        cameras = self.episode.cameras(self.source, self.info)
-        if not cameras:
-            raise FolderError.about(
-                self.source, f"no camera has footage of episode {self.episode.number} (for {self.where})"
-            )
-        return cameras
+def _stream(
+    episode: RecordedEpisode, camera: CameraColumn, frames: Sequence[int], where: str, max_side: int
+) -> Iterator[Image]:
+    """The pictures of one camera."""
+    dataset = episode.dataset
+    path = dataset.source
+    try:
+        if camera.is_video:
+            path, begin = episode.video(camera.key)
+            seconds = [begin + frame / dataset.fps for frame in frames]  # videos are evenly spaced
+            for pixels in frames_at(path, seconds, dataset.source):
+                yield Image.from_pixels(scaled(pixels, max_side))
+        else:
+            path = episode.data()
+            wanted = [(episode.number, frame) for frame in frames]
+            for encoded in picture_rows(path, camera.key, wanted, dataset.source):
+                yield Image.from_pixels(scaled(Image(encoded).pixels(), max_side))
+    except FolderError:
+        raise
+    except ValueError as error:  # of the video, the table, the picture, or a path that cannot be
+        raise FolderError.about(path, f"{camera.key}: {error} (for {where})") from error

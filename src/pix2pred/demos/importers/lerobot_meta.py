@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,7 +16,7 @@ from pix2pred.demos.files.folders import MISSING, entries, is_folder, refusal
 from pix2pred.demos.files.problems import Problem
 from pix2pred.demos.files.sidecar import demo_name
 from pix2pred.demos.files.yaml_lines import MAX_BYTES
-from pix2pred.demos.importers.parquet import ParquetError, rows
+from pix2pred.demos.importers.parquet import rows
 from pix2pred.system.errors import Pix2predError, first_fault
 
 MAX_EPISODES = 1_000_000
@@ -75,12 +75,13 @@ class CameraColumn:
 
 
 @dataclass(frozen=True, slots=True)
-class Info:
-    """The version (2 or 3), frames per second, the cameras, the other columns, and how paths are made.
+class Dataset:
+    """The folder ``source``, the version (2 or 3), frames per second, cameras, other columns, and how paths are made.
 
     Version 2 keeps a table and videos for each episode, ``chunks_size`` episodes to a folder.
     """
 
+    source: Path
     version: int
     chunks_size: int
     fps: float
@@ -97,41 +98,43 @@ class RecordedEpisode:
     ``length`` counts its frames, ``tasks`` are in words, and ``row`` is the table row that says where its files lie.
     """
 
+    dataset: Dataset
     number: int
     length: int
     tasks: tuple[str, ...]
     row: Mapping[str, Any]
 
-    def video(self, source: Path, info: Info, key: str) -> tuple[Path, float]:
+    def video(self, key: str) -> tuple[Path, float]:
         """The file that shows it from the camera ``key``, and the second at which it begins there."""
-        names: dict[str, str | int] = {"video_key": key, **self._place(info, f"videos/{key}/")}
-        if info.version == 2:
-            return source / filled(info.video_path, names), 0.0
+        names: dict[str, str | int] = {"video_key": key, **self._place(f"videos/{key}/")}
+        path = self.dataset.source / filled(self.dataset.video_path, names)
+        if self.dataset.version == 2:
+            return path, 0.0
         begin = self.row[f"videos/{key}/from_timestamp"]
         if not isinstance(begin, int | float) or not math.isfinite(begin) or begin < 0:
-            raise DatasetError(source, f"episode {self.number} begins at {begin!r} s")
-        return source / filled(info.video_path, names), float(begin)
+            raise DatasetError(self.dataset.source, f"episode {self.number} begins at {begin!r} s")
+        return path, float(begin)
 
-    def data(self, source: Path, info: Info) -> Path:
+    def data(self) -> Path:
         """The table that holds its frames."""
-        return source / filled(info.data_path, self._place(info, "data/"))
+        return self.dataset.source / filled(self.dataset.data_path, self._place("data/"))
 
-    def cameras(self, source: Path, info: Info) -> tuple[CameraColumn, ...]:
+    def cameras(self) -> tuple[CameraColumn, ...]:
         """Those of the dataset's cameras that have footage of this episode."""
-        return tuple(c for c in info.cameras if not c.is_video or self._has_footage(source, info, c.key))
+        return tuple(c for c in self.dataset.cameras if not c.is_video or self._has_footage(c.key))
 
-    def _has_footage(self, source: Path, info: Info, key: str) -> bool:
-        if info.version == 2:
-            return refusal(self.video(source, info, key)[0], source) != MISSING
+    def _has_footage(self, key: str) -> bool:
+        if self.dataset.version == 2:
+            return refusal(self.video(key)[0], self.dataset.source) != MISSING
         return self.row[f"videos/{key}/chunk_index"] is not None or self.row[f"videos/{key}/file_index"] is not None
 
-    def _place(self, info: Info, prefix: str) -> dict[str, int]:
-        if info.version == 2:
-            return {"episode_index": self.number, "episode_chunk": self.number // info.chunks_size}
+    def _place(self, prefix: str) -> dict[str, int]:
+        if self.dataset.version == 2:
+            return {"episode_index": self.number, "episode_chunk": self.number // self.dataset.chunks_size}
         return {name: _whole(self.row[f"{prefix}{name}"], self.number) for name in ("chunk_index", "file_index")}
 
 
-def read_info(source: Path) -> Info:
+def read_info(source: Path) -> Dataset:
     """Read ``meta/info.json``. Raises ``DatasetError``."""
     file = source / "meta" / "info.json"
     if not is_folder(source):
@@ -163,71 +166,68 @@ def read_info(source: Path) -> Info:
     numbers = tuple(key for key, feature in doc.features.items() if feature.dtype not in ("video", "image"))
     number = int(known[1])
     data_path, video_path = doc.data_path or _PATHS[number][0], doc.video_path or _PATHS[number][1]
-    return Info(number, doc.chunks_size, doc.fps, tuple(cameras.values()), numbers, data_path, video_path)
+    return Dataset(source, number, doc.chunks_size, doc.fps, tuple(cameras.values()), numbers, data_path, video_path)
 
 
-def read_episodes(source: Path, info: Info) -> dict[int, RecordedEpisode]:
+def read_episodes(dataset: Dataset) -> dict[int, RecordedEpisode]:
     """The episodes of all tables below ``meta/episodes``, by number. Raises ``DatasetError``.
 
     Version 2 has a line for each in ``meta/episodes.jsonl``.
     """
-    if info.version == 2:
-        return _episodes_of_lines(source)
-    folder = source / "meta" / "episodes"
+    meta = dataset.source / "meta"
+    if dataset.version == 2:
+        place = meta / "episodes.jsonl"
+        found = _episodes_of_lines(place, dataset)
+    else:
+        place = meta / "episodes"
+        found = _episodes_of_tables(place, dataset)
+    episodes: dict[int, RecordedEpisode] = {}
+    for file, episode in found:
+        episodes[episode.number] = episode
+        if len(episodes) > MAX_EPISODES:
+            raise DatasetError(file, f"more than {MAX_EPISODES} episodes are not read")
+    if not episodes:
+        raise DatasetError(place, "names no episode")
+    return dict(sorted(episodes.items()))
+
+
+def _episodes_of_tables(folder: Path, dataset: Dataset) -> Iterator[tuple[Path, RecordedEpisode]]:
     found: list[Problem] = []
     files = [f for chunk in entries(folder, found) for f in (entries(chunk, found) if is_folder(chunk) else [])]
     files = [f for f in files if f.suffix == ".parquet"]
     if not files:
         raise DatasetError(folder, "holds no table of episodes (chunk-000/file-000.parquet)")
     columns = ["episode_index", "length", "tasks"]
-    if info.numbers or any(not camera.is_video for camera in info.cameras):
+    if dataset.numbers or any(not camera.is_video for camera in dataset.cameras):
         columns += ["data/chunk_index", "data/file_index"]
-    for camera in info.cameras:
+    for camera in dataset.cameras:
         if camera.is_video:
             columns += [f"videos/{camera.key}/{c}" for c in ("chunk_index", "file_index", "from_timestamp")]
-    episodes: dict[int, RecordedEpisode] = {}
     for file in files:
         try:
-            for row in rows(file, columns, source):
-                episode = _episode(row)
-                episodes[episode.number] = episode
-                if len(episodes) > MAX_EPISODES:
-                    raise DatasetError(file, f"more than {MAX_EPISODES} episodes are not read")
-        except ParquetError as error:
-            raise DatasetError(file, str(error)) from error
+            for row in rows(file, columns, dataset.source):
+                yield file, _episode(row, dataset)
         except (TypeError, ValueError) as error:
-            raise error if isinstance(error, DatasetError) else DatasetError(file, str(error)) from error
-    if not episodes:
-        raise DatasetError(folder, "names no episode")
-    return dict(sorted(episodes.items()))
+            raise DatasetError(file, str(error)) from error
 
 
-def _episodes_of_lines(source: Path) -> dict[int, RecordedEpisode]:
-    file = source / "meta" / "episodes.jsonl"
-    if message := refusal(file, source):
+def _episodes_of_lines(file: Path, dataset: Dataset) -> Iterator[tuple[Path, RecordedEpisode]]:
+    if message := refusal(file, dataset.source):
         raise DatasetError(file, message)
-    episodes: dict[int, RecordedEpisode] = {}
     try:
         with file.open(encoding="utf-8-sig") as lines:
             while line := lines.readline(_LONGEST_LINE):
                 if line.strip():
-                    episode = _episode(json.loads(line))
-                    episodes[episode.number] = episode
-                if len(episodes) > MAX_EPISODES:
-                    raise DatasetError(file, f"more than {MAX_EPISODES} episodes are not read")
-    except DatasetError:
-        raise
+                    yield file, _episode(json.loads(line), dataset)
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise DatasetError(file, f"cannot be read as a list of episodes ({error})") from error
-    if not episodes:
-        raise DatasetError(file, "names no episode")
-    return dict(sorted(episodes.items()))
 
 
-def _episode(row: Mapping[str, Any]) -> RecordedEpisode:
+def _episode(row: Mapping[str, Any], dataset: Dataset) -> RecordedEpisode:
     number = _whole(row["episode_index"], row["episode_index"])
     tasks = row["tasks"] if isinstance(row["tasks"], list) else [row["tasks"]]
-    return RecordedEpisode(number, _whole(row["length"], number), tuple(str(t) for t in tasks if t is not None), row)
+    words = tuple(str(t) for t in tasks if t is not None)
+    return RecordedEpisode(dataset, number, _whole(row["length"], number), words, row)
 
 
 def _whole(value: object, episode: object) -> int:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pix2pred.demos.files.folders import MISSING, refusal
-from pix2pred.demos.importers.lerobot_meta import DatasetError, Info, RecordedEpisode
+from pix2pred.demos.importers.lerobot_meta import DatasetError, RecordedEpisode
 from pix2pred.demos.importers.parquet import ParquetError, rows
 
 _TIME, _SUBTASK, _FRAME, _EPISODE = "timestamp", "subtask_index", "frame_index", "episode_index"
@@ -25,33 +24,30 @@ class Subtask:
     end: int
 
 
-def frame_times(source: Path, info: Info, episode: RecordedEpisode) -> tuple[float, ...]:
+def frame_times(episode: RecordedEpisode) -> tuple[float, ...]:
     """The second of the episode at which each of its frames was taken; evenly spaced where no table says it.
 
     Raises ``DatasetError``.
     """
-    even = tuple(i / info.fps for i in range(episode.length))
-    if not {_TIME, _FRAME, _EPISODE} <= {*info.numbers}:
+    dataset = episode.dataset
+    even = tuple(i / dataset.fps for i in range(episode.length))
+    if not {_TIME, _FRAME, _EPISODE} <= {*dataset.numbers} or refusal(episode.data(), dataset.source) == MISSING:
         return even
-    path = episode.data(source, info)
-    if refusal(path, source) == MISSING:
-        return even
-    times = [row[_TIME] for row in _of_episode(path, source, episode, [_TIME])]
+    times = [row[_TIME] for row in _rows_of(episode, _TIME)]
     known = [float(t) for t in times if isinstance(t, int | float) and t == t]
     if len(known) != episode.length or sorted(known) != known:
         return even
     return tuple(t - known[0] for t in known)
 
 
-def subtasks(source: Path, info: Info, episode: RecordedEpisode) -> tuple[Subtask, ...]:
+def subtasks(episode: RecordedEpisode) -> tuple[Subtask, ...]:
     """The subtasks of an episode in order; frames without one belong to the one before. Raises ``DatasetError``."""
-    if _SUBTASK not in info.numbers:
+    if _SUBTASK not in episode.dataset.numbers:
         message = "says of no frame which subtask it belongs to; write the steps down and name them with --sidecar"
-        raise DatasetError(source, message)
-    words = _words(source)
+        raise DatasetError(episode.dataset.source, message)
+    words = _words(episode.dataset.source)
     found: list[Subtask] = []
-    path = episode.data(source, info)
-    for frame, row in enumerate(_of_episode(path, source, episode, [_SUBTASK])):
+    for frame, row in enumerate(_rows_of(episode, _SUBTASK)):
         number = row[_SUBTASK]
         known = isinstance(number, int) and number >= 0
         text = words.get(number, f"subtask {number}") if known else ""
@@ -60,15 +56,16 @@ def subtasks(source: Path, info: Info, episode: RecordedEpisode) -> tuple[Subtas
         elif known:
             found.append(Subtask(text, frame, frame + 1))
     if not found:
-        raise DatasetError(path, f"names no subtask of episode {episode.number}")
+        raise DatasetError(episode.data(), f"names no subtask of episode {episode.number}")
     return tuple(found)
 
 
-def _of_episode(path: Path, source: Path, episode: RecordedEpisode, columns: Sequence[str]) -> list[dict[str, Any]]:
-    """The rows of an episode, which follow one another in a table of one or many."""
+def _rows_of(episode: RecordedEpisode, column: str) -> list[dict[str, Any]]:
+    """The rows of an episode with a ``column``; they follow one another in a table of one or many."""
+    path = episode.data()
     found: list[dict[str, Any]] = []
     try:
-        for row in rows(path, [_EPISODE, *columns], source):
+        for row in rows(path, [_EPISODE, column], episode.dataset.source):
             if row[_EPISODE] == episode.number:
                 found.append(row)
             elif found:

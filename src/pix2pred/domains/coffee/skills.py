@@ -122,7 +122,7 @@ def _turn_on() -> tuple[Motion, ...]:
 
 
 def _pour(world: CoffeeWorld, cup: str) -> tuple[Motion, ...]:
-    place = spout_over(world.cup(cup), 0.045)
+    place = spout_over(world.cup(cup))
     here = world.robot.at
     return (
         Motion(here, fingers=CLOSED),
@@ -168,7 +168,7 @@ def explain(skill: Application, start: CoffeeWorld, end: CoffeeWorld) -> str:
             cup = start.cup(skill.args[2])
             if not jug.held:
                 return "the jug was not held"
-            if not _reachable(spout_over(cup, 0.045)):
+            if not _reachable(spout_over(cup)):
                 return f"{cup.name} is out of the gripper's reach"
             return "the jug ran empty" if end.jug.level <= 0 else f"the spout did not come over {cup.name}"
         case _:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from pix2pred.domains.home.episode import Rules
-from pix2pred.domains.home.places import in_hopper
+from pix2pred.domains.home.places import Region, in_hopper
 from pix2pred.domains.home.world import World
 from pix2pred.domains.juice import skills
 from pix2pred.domains.juice import vocabulary as words
@@ -18,10 +20,10 @@ def juice_of(world: World, fruit: str, container: str) -> bool:
 RULES = Rules(
     words.TYPES,
     {
-        words.PICK_CONTAINER: skills.pick_container,
+        words.PICK_CONTAINER: skills.take,
         words.PICK_MOVABLE: skills.pick_movable,
-        words.PLACE_IN_WASTE_REGION: skills.place_in_waste_region,
-        words.PLACE_IN_JUICE_REGION: skills.place_in_juice_region,
+        words.PLACE_IN_WASTE_REGION: partial(skills.place_in_region, region=Region.WASTE),
+        words.PLACE_IN_JUICE_REGION: partial(skills.place_in_region, region=Region.JUICE),
         words.PLACE_INSIDE: skills.place_inside,
         words.POUR: skills.pour,
         words.CLOSE_LID: skills.close_lid,

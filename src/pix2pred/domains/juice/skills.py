@@ -19,9 +19,11 @@ MOST_FRUITS = 3
 """Fruits that the hopper takes."""
 
 
-def pick_container(world: World, name: str) -> World:
-    """Take a vessel; what is in it stays in it."""
-    return _taken(world, name)
+def take(world: World, name: str) -> World:
+    """Take a thing; what is in a vessel stays in it."""
+    hand_is_empty(world)
+    within_reach(world, name)
+    return replace(world, holding=name, gaze=name)
 
 
 def pick_movable(world: World, name: str) -> World:
@@ -29,17 +31,19 @@ def pick_movable(world: World, name: str) -> World:
     for juicer in world.of_type("juicer"):
         if in_hopper(world, name, juicer.name):
             raise SkillFailedError(f"{name} is inside {juicer.name}")
-    return _taken(world, name)
+    return take(world, name)
 
 
-def place_in_waste_region(world: World, name: str, juicer: str) -> World:
-    """Put the held vessel under the waste valve."""
-    return _placed(world, name, juicer, Region.WASTE)
-
-
-def place_in_juice_region(world: World, name: str, juicer: str) -> World:
-    """Put the held vessel under the juice valve."""
-    return _placed(world, name, juicer, Region.JUICE)
+def place_in_region(world: World, name: str, juicer: str, *, region: Region) -> World:
+    """Put the held vessel under a valve."""
+    holds(world, name)
+    machine = world.thing(juicer)
+    within_reach(world, juicer)
+    for other in world.of_type("container"):
+        if other.name != name and in_region(world, other.name, juicer, region):
+            raise SkillFailedError(f"{other.name} stands under the {region.name.lower()} valve already")
+    at = region_middle(machine, region)
+    return replace(world.with_thing(replace(world.thing(name), at=at)), holding=None, gaze=name)
 
 
 def place_inside(world: World, name: str, juicer: str) -> World:
@@ -117,20 +121,3 @@ def _rinds(world: World, machine: Thing, fruits: tuple[str, ...]) -> list[Thing]
     lying = sum(t.squeezed and abs(t.at[1] - y) < 0.3 for t in world.of_type("movable_object"))
     places = [(x + RIND_PLACE[0] - 0.075 * (lying + i), y, z + 0.009) for i in range(len(fruits))]
     return [replace(world.thing(f), at=at, squeezed=True) for f, at in zip(fruits, places, strict=True)]
-
-
-def _placed(world: World, name: str, juicer: str, region: Region) -> World:
-    holds(world, name)
-    machine = world.thing(juicer)
-    within_reach(world, juicer)
-    for other in world.of_type("container"):
-        if other.name != name and in_region(world, other.name, juicer, region):
-            raise SkillFailedError(f"{other.name} stands under the {region.name.lower()} valve already")
-    at = region_middle(machine, region)
-    return replace(world.with_thing(replace(world.thing(name), at=at)), holding=None, gaze=name)
-
-
-def _taken(world: World, name: str) -> World:
-    hand_is_empty(world)
-    within_reach(world, name)
-    return replace(world, holding=name, gaze=name)

@@ -24,9 +24,6 @@ from pix2pred.robots.simulator.walking import Drift, Walk, drive, met, walk
 from pix2pred.structs.space.poses import FloorPose, Pose
 from pix2pred.structs.space.surroundings import Surroundings
 
-FORGOTTEN = 200
-"""Commands whose end is remembered."""
-
 
 class SimulatedBody:
     """State and motions. Everything here happens in one thread, after ``advance``."""
@@ -45,8 +42,6 @@ class SimulatedBody:
         self.powered = self.standing = self.fallen = self.silent_cameras = False
         self.charge = 83.0
         self.stowable = self.docked = False
-        self.walks: dict[int, Walk] = {}
-        self.reaches: dict[int, Reach] = {}
         self._walk: Walk | None = None
         self._reach: Reach | None = None
         self._numbers = 0
@@ -123,11 +118,7 @@ class SimulatedBody:
 
     def go(self, *via: FloorPose, until: float = math.inf) -> Walk:
         """Walk until odometry says the last place of ``via``, which is where the nose shall be."""
-        self._stop_walking()
-        made = walk(
-            self.next_number(), self.felt, self.place, via, self.motion_time, until, self._drift(), self.traits,
-            self.around.stands,
-        )  # fmt: skip
+        made = self._walk_through(via, until, self._drift())
         share = self.faults.share(FaultKind.BLOCKED)
         if share and self.rng.random() < share:
             made.clear = min(made.clear, float(self.rng.uniform()) * made.lasts)
@@ -135,46 +126,43 @@ class SimulatedBody:
 
     def go_in_room(self, via: Sequence[FloorPose], until: float) -> Walk:
         """Walk through places of the room that the robot sees, whatever its odometry says."""
-        self._stop_walking()
         odom = self.odom_from_room
         felt = [(odom * Pose.on_floor(place)).floor for place in via]
-        made = walk(
-            self.next_number(), self.felt, self.place, felt, self.motion_time, until, Drift(), self.traits,
-            self.around.stands,
-        )  # fmt: skip
-        return self._begin(made)
+        return self._begin(self._walk_through(felt, until, Drift()))
 
     def drive(self, velocity: FloorPose, seconds: float) -> Walk:
         """Walk with a velocity of the body for a while."""
-        self._stop_walking()
         made = drive(
-            self.next_number(), self.felt, self.place, velocity, seconds, self.motion_time, self._drift(),
-            self.traits.pace, self.around.stands,
+            self.felt, self.place, velocity, seconds, self.motion_time, self._drift(), self.traits.pace,
+            self.around.stands,
         )  # fmt: skip
         return self._begin(made)
 
     def walkable(self, place: FloorPose) -> bool:
         """Whether the robot gets to a place of the room."""
-        way = walk(0, self.place, self.place, (place,), 0.0, 0.0, Drift(), self.traits, self.around.stands)
+        way = walk(self.place, self.place, (place,), 0.0, 0.0, Drift(), self.traits, self.around.stands)
         return met(way.true, self.around.stands) is None
 
     def _drift(self) -> Drift:
         return Drift.drawn(self.faults.share(FaultKind.DRIFT), self.rng)
 
+    def _walk_through(self, via: Sequence[FloorPose], until: float, drift: Drift) -> Walk:
+        now, stands = self.motion_time, self.around.stands
+        return walk(self.felt, self.place, via, now, until, drift, self.traits, stands)
+
     def _begin(self, made: Walk) -> Walk:
-        self.walks[made.number] = self._walk = made
-        self._forget(self.walks)
+        if self._walk is not None and self._walk.end is End.RUNNING:
+            self._walk.end = End.STOPPED
+        self._walk = made
         return made
 
-    def lead(self, path: Sequence[Pose], times: Sequence[float], named: int = 0) -> Reach:
+    def lead(self, path: Sequence[Pose], times: Sequence[float]) -> Reach:
         """Move the hand through ``path``, whose poses are seen from the place under the nose."""
         if self._reach is not None and self._reach.end is End.RUNNING:
             self._reach.end = End.STOPPED
-        made = reach(self.next_number(), self.hand, path, times, self.motion_time, self.traits, named)
-        self.reaches[made.number] = self._reach = made
+        self._reach = reach(self.hand, path, times, self.motion_time, self.traits)
         self.stowed = False
-        self._forget(self.reaches)
-        return made
+        return self._reach
 
     def grip(self, fraction: float) -> None:
         """Open or close the fingers. What is held falls when they open."""
@@ -188,11 +176,6 @@ class SimulatedBody:
         """Whether the hand of a robot that stands at ``place`` gets to a point of the room, and ``margin`` further."""
         shoulder = Pose.on_floor(place).points(np.array(SHOULDER))
         return float(np.linalg.norm(at - shoulder)) <= self.traits.reach - margin
-
-    def _stop_walking(self) -> None:
-        if self._walk is not None and self._walk.end is End.RUNNING:
-            self._walk.end = End.STOPPED
-        self._walk = None
 
     def _walk_on(self) -> None:
         going = self._walk
@@ -233,11 +216,6 @@ class SimulatedBody:
 
     def _put(self) -> None:
         self.around.put_robot(self.place, self.hand_in_room)
-
-    @staticmethod
-    def _forget(motions: dict[int, Walk] | dict[int, Reach]) -> None:
-        while len(motions) > FORGOTTEN:
-            motions.pop(next(iter(motions)))
 
 
 NAMED = {1: CARRYING, 2: READY, 3: STOWED}

@@ -16,9 +16,6 @@ from pix2pred.robots.standing import around
 from pix2pred.structs.space.poses import Array, FloorPose, Pose
 from pix2pred.structs.space.surroundings import Grip, Seen
 
-STAND_OFF = (0.45, 0.60, 0.35, 0.75, 0.25)
-"""Metres between the nose and what is grasped, as tried."""
-
 MARGIN = 0.05
 """Metres by which a place must be nearer than the arm reaches: the walk ends a little beside it."""
 
@@ -27,7 +24,6 @@ class GraspState(IntEnum):
     """The states of the protocol that this robot goes through, with their numbers."""
 
     MOVING = 3
-    GRASPING = 4
     SUCCEEDED = 6
     FAILED = 7
     NO_SOLUTION = 8
@@ -48,7 +44,7 @@ class Grasp:
     @property
     def over(self) -> bool:
         """Whether it has come to its end."""
-        return self.state not in (GraspState.MOVING, GraspState.GRASPING, GraspState.WALKING)
+        return self.state not in (GraspState.MOVING, GraspState.WALKING)
 
 
 class Grasping:
@@ -116,7 +112,7 @@ class Grasping:
     def _place_for(self, at: Array) -> FloorPose | None:
         """The nearest place from which the arm reaches a point of the room, and to which the robot gets."""
         body = self._body
-        for place in around(at, body.place, STAND_OFF):
+        for place in around(at, body.place):
             if self._within(at, place, MARGIN) and body.walkable(place):
                 return place
         return None

@@ -25,23 +25,18 @@ class End(Enum):
 class Reach:
     """The hand going through ``path``, whose poses are seen from the place under the nose, each after a time."""
 
-    number: int
     path: Sequence[Pose]
     after: Sequence[float]
     began: float
     reached: int = 0
     end: End = End.RUNNING
-    named: int = 0
-    """The named position of the protocol that the path leads to, 0 for none."""
 
     def due(self, now: float) -> int:
         """How many poses the hand should have reached by now."""
         return sum(now - self.began >= t for t in self.after)
 
 
-def reach(
-    number: int, hand: Pose, path: Sequence[Pose], times: Sequence[float], now: float, traits: Traits, named: int = 0
-) -> Reach:
+def reach(hand: Pose, path: Sequence[Pose], times: Sequence[float], now: float, traits: Traits) -> Reach:
     """A way of the hand that takes the ``times`` asked for, or longer where that would be too fast."""
     after, last, where = [], 0.0, hand
     for pose, wanted in zip(path, times, strict=True):
@@ -49,4 +44,4 @@ def reach(
         last = max(last + needs, wanted)
         after.append(last)
         where = pose
-    return Reach(number, path, after, now, named=named)
+    return Reach(path, after, now)

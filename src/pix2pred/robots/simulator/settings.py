@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from pix2pred.structs.space.poses import FloorPose, Pose
@@ -49,6 +48,3 @@ SHOULDER = (-0.22, 0.0, 0.80)
 
 APPROACH = 0.10
 """Metres over a thing from which the hand comes down to grasp it."""
-
-DOWN = math.pi / 2
-"""The pitch of a hand that points at the floor."""

@@ -71,7 +71,6 @@ class Walk:
     ``clear`` is the time after which something stands in the way; ``then`` is done on arrival.
     """
 
-    number: int
     felt: Sequence[FloorPose]
     true: Sequence[FloorPose]
     after: Sequence[float]
@@ -96,8 +95,8 @@ class Walk:
 
 
 def walk(
-    number: int, felt: FloorPose, true: FloorPose, via: Sequence[FloorPose], now: float, until: float, drift: Drift,
-    traits: Traits, stands: Stands,
+    felt: FloorPose, true: FloorPose, via: Sequence[FloorPose], now: float, until: float, drift: Drift, traits: Traits,
+    stands: Stands,
 ) -> Walk:  # fmt: skip
     """A walk through the places ``via`` of odometry's frame.
 
@@ -111,13 +110,13 @@ def walk(
     for a, b in itertools.pairwise(legs):
         way, turn = a.distance(b), a.turn_to(b)
         after.append(after[-1] + max(0.2, way / traits.walking_speed + turn / traits.turning_speed))
-    made = Walk(number, (*seen, via[-1]), legs, after, now, until)
+    made = Walk((*seen, via[-1]), legs, after, now, until)
     return _stopped(made, stands)
 
 
 def drive(
-    number: int, felt: FloorPose, true: FloorPose, velocity: FloorPose, seconds: float, now: float, drift: Drift,
-    pace: float, stands: Stands,
+    felt: FloorPose, true: FloorPose, velocity: FloorPose, seconds: float, now: float, drift: Drift, pace: float,
+    stands: Stands,
 ) -> Walk:  # fmt: skip
     """The body walks with a ``velocity`` (metres and radians a second, as it sees it) until something stands there.
 
@@ -132,7 +131,7 @@ def drive(
         places.append(places[-1] * _MIDDLE * FloorPose(x, y, turn) * _MIDDLE.inverse)
     real = [true * drift.real(felt.inverse * place) for place in places]
     after = [k * seconds * pace / count for k in range(count + 1)]
-    return _stopped(Walk(number, places, real, after, now, math.inf), stands)
+    return _stopped(Walk(places, real, after, now, math.inf), stands)
 
 
 def met(legs: Sequence[FloorPose], stands: Stands) -> tuple[int, float] | None:

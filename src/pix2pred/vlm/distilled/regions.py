@@ -6,7 +6,7 @@ that is all that plain photos allow.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -150,4 +150,3 @@ def kinds_of_regions(kinds: Kinds) -> list[str]:
 
 
 Names = tuple[str, ...]
-WordsByKinds = Mapping[Kinds, Sequence[str]]

@@ -17,7 +17,7 @@ import PIL.ImageFilter
 from pix2pred.domains.burger.drawing.canvas import UNITS
 from pix2pred.domains.burger.drawing.floor import floor
 from pix2pred.domains.burger.drawing.sprites import Sprite, sprite
-from pix2pred.domains.burger.world import BurgerWorld, Heading
+from pix2pred.domains.burger.world import BurgerWorld
 from pix2pred.structs import Box, Image, Picture, Pixels
 
 CAMERA = "top"
@@ -28,7 +28,6 @@ HELD_SCALE = 0.54
 """Size of a held item's cell; the item itself is then about 0.35 cell wide."""
 
 _REACH = 40
-_AHEAD = {Heading.UP: (0, -1), Heading.LEFT: (-1, 0), Heading.DOWN: (0, 1), Heading.RIGHT: (1, 0)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +73,7 @@ def _layout(world: BurgerWorld) -> list[_Placed]:
     for thing in world.things:
         if thing.name != world.held:
             drawing = sprite(thing.type, thing.name, world.look, prepared=thing.prepared)
-            top = thing.cell.row * UNITS - _rise(world, thing.cell.row, thing.z)
+            top = thing.cell.row * UNITS - _rise(thing.cell.row, thing.z)
             entries.append(
                 ((thing.cell.row, thing.z), _Placed(thing.name, drawing, thing.cell.col * UNITS, top, thing.z == 0))
             )
@@ -82,7 +81,7 @@ def _layout(world: BurgerWorld) -> list[_Placed]:
     return ordered if world.held is None else [*ordered, _in_gripper(world, world.held)]
 
 
-def _rise(world: BurgerWorld, row: int, z: int) -> int:
+def _rise(row: int, z: int) -> int:
     """Pixels that level ``z`` lies higher than the floor; levels beyond the upper edge of the picture pile up there."""
     return min(z * LEVEL, row * UNITS + UNITS - 52)
 
@@ -91,9 +90,9 @@ def _in_gripper(world: BurgerWorld, held: str) -> _Placed:
     thing = world.thing(held)
     drawing = sprite(thing.type, thing.name, world.look, prepared=thing.prepared, scale=HELD_SCALE)
     left, top, right, bottom = drawing.box
-    dx, dy = _AHEAD[world.heading]
-    x = (world.cell.col + 0.5) * UNITS + _REACH * dx
-    y = (world.cell.row + 0.5) * UNITS + _REACH * dy
+    cell, ahead = world.cell, world.cell.toward(world.heading)
+    x = (cell.col + 0.5) * UNITS + _REACH * (ahead.col - cell.col)
+    y = (cell.row + 0.5) * UNITS + _REACH * (ahead.row - cell.row)
     return _Placed(held, drawing, round(x - (left + right) / 2), round(y - (top + bottom) / 2), False)
 
 

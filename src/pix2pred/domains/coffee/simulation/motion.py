@@ -145,6 +145,10 @@ def _flow(world: CoffeeWorld) -> CoffeeWorld:
     return replace(poured, jug=replace(world.jug, level=world.jug.level - amount))
 
 
-def spout_over(cup: Cup, clearance: float) -> Point:
-    """Where the gripper must be for the leaning jug's spout to be ``clearance`` over the middle of the cup."""
-    return cup.mouth + Point(0, 0, clearance) - turned(SPOUT - GRIP, POUR_TILT)
+POURED_FROM = Point(0, 0, 0.045)
+"""From the mouth of a cup to the spout that pours into it."""
+
+
+def spout_over(cup: Cup) -> Point:
+    """Where the gripper must be for the leaning jug's spout to be over the middle of the cup."""
+    return cup.mouth + POURED_FROM - turned(SPOUT - GRIP, POUR_TILT)

@@ -14,8 +14,6 @@ from pix2pred.domains.home.drawing.textures import SURFACES
 from pix2pred.domains.home.world import Thing
 from pix2pred.domains.physics import Maker
 
-Rng = np.random.Generator
-
 STROKES = 5
 """Scribbles on a table that nobody has wiped."""
 

@@ -28,6 +28,9 @@ from pix2pred.structs.space.poses import Pose
 MOST_OPEN = 1.5708
 """Radians that the fingers open at most; the protocol counts them negative."""
 
+REMEMBERED = 200
+"""Commands of which it is known how they are getting on."""
+
 _STATUS = basic_command_pb2.RobotCommandFeedbackStatus
 
 
@@ -94,7 +97,7 @@ class CommandService(Service, robot_command_service_pb2_grpc.RobotCommandService
                 body.grip(min(1.0, max(0.0, -points[-1].point / MOST_OPEN)) if points else 0.0)
         number = body.next_number()
         self._doing[number] = doing
-        while len(self._doing) > 200:
+        while len(self._doing) > REMEMBERED:
             self._doing.pop(next(iter(self._doing)))
         return number
 
@@ -120,7 +123,7 @@ class CommandService(Service, robot_command_service_pb2_grpc.RobotCommandService
             if NAMED[number] is NAMED[3] and body.around.holding is not None and not body.stowable:
                 doing.stalled = True
             else:
-                doing.reach = body.lead([NAMED[number]], [0.0], number)
+                doing.reach = body.lead([NAMED[number]], [0.0])
         elif kind == "arm_cartesian_command":
             wanted = command.arm_cartesian_command
             root = self._root(body, wanted.root_frame_name) * from_message(wanted.root_tform_task)

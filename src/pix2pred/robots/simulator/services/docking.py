@@ -93,8 +93,9 @@ class DockingService(Service, docking_service_pb2_grpc.DockingServiceServicer):
         walk = body.go_in_room([body.around.start * place for place in via], time.monotonic() + left)
         if not before:
             walk.then = lambda: _docked(body)
-        self._walks[walk.number] = walk, _FEEDBACK.STATUS_AT_PREP_POSE if before else _FEEDBACK.STATUS_DOCKED
-        answer.docking_command_id = walk.number
+        number = body.next_number()
+        self._walks[number] = walk, _FEEDBACK.STATUS_AT_PREP_POSE if before else _FEEDBACK.STATUS_DOCKED
+        answer.docking_command_id = number
         return int(answer.STATUS_OK)
 
 

@@ -10,11 +10,8 @@ import numpy as np
 from pix2pred.robots.spot.finding import Found
 from pix2pred.robots.spot.limbs import FailedError
 from pix2pred.robots.spot.robot import Spot
-from pix2pred.robots.standing import around
+from pix2pred.robots.standing import STAND_OFF, around
 from pix2pred.structs.space.poses import Array, Pose
-
-STAND_OFF = (0.45, 0.60, 0.35, 0.75, 0.25)
-"""Metres between the nose and what is worked at, as tried."""
 
 PLACES = 8
 """Places tried before a thing counts as out of reach."""

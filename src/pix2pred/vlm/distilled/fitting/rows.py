@@ -20,8 +20,6 @@ words such as left, above and open would change their meaning."""
 NUMBERS_PER_ROW = 210
 """Codes of a row about two objects, for sharing out the memory among kinds of objects."""
 
-_NOTHING: Array = np.zeros(0, dtype=np.float32)
-
 
 @dataclass(frozen=True, slots=True)
 class ShownObjects:
