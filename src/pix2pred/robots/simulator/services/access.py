@@ -101,7 +101,6 @@ class Auth(Service, auth_service_pb2_grpc.AuthServiceServicer):
     @answers(auth_pb2.GetAuthTokenResponse)
     def GetAuthToken(self, request: Any, answer: Any) -> None:  # noqa: N802
         """A token, or STATUS_INVALID_LOGIN."""
-        # the client's header of this one request must not come back: it may be logged, and a password is near it
         renewing = bool(request.token)
         token = self._door.renewed(request.token) if renewing else self._door.token(request.username, request.password)
         if token is None:
