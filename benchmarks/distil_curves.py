@@ -69,7 +69,7 @@ def main() -> None:
         draw(axes, rows, share)
         axes.axhline(bar, color="grey", linewidth=0.8)
         axes.set_ylabel(label)
-    panels[0].set_ylim(60, 101)
+    panels[0].set_ylim(top=101)
     panels[1].set_ylim(90, 100.3)
     panels[2].set_ylim(bottom=-1)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", fontsize=7, frameon=False)
