@@ -188,6 +188,8 @@ def test_what_differs_from_demonstration_to_demonstration_is_not_told_by_names()
     assert by_name([str(i // 3) for i in range(60)], labels, 0.85) == BY_NO_NAME
     steady = {row: (row.names == ("a",), weight) for row, (_, weight) in labels.items()}
     told = by_name([str(i // 3) for i in range(60)], steady, 0.85)
+    habit = {row: (False, weight) for row, (_, weight) in labels.items()}
+    assert by_name([str(i // 3) for i in range(60)], habit, 0.85) == BY_NO_NAME
     assert told.values == {"a": True, "b": False} and told.odds(("a",)) > 3 and told.odds(("c",)) == 0
 
 

@@ -1,7 +1,8 @@
 """What never changes of an object, by its name: an eraser is one in every look, whatever it is seen from.
 
-Only a word that keeps its value while an episode lasts, and that the same name foretold in other demonstrations, is
-learned so. What changes is read from pixels alone, however often a thing of that name was so.
+Only a word that keeps its value while an episode lasts, that tells one name from another, and that the same name
+foretold in other demonstrations, is learned so. What changes is read from pixels alone, however often a thing of that
+name was so.
 """
 
 from __future__ import annotations
@@ -44,11 +45,10 @@ def by_name(groups: Sequence[str], labels: Mapping[ShownObjects, tuple[bool, flo
         for own in values
     ]
     probability = (sum(right) + 1) / (len(right) + 2)
-    if probability < sure:
-        return BY_NO_NAME
-    return ByName(
-        {name: sum(values) * 2 > len(values) for name, values in sorted(said.items()) if len(values) > 1}, probability
-    )
+    values = {name: sum(held) * 2 > len(held) for name, held in sorted(said.items()) if len(held) > 1}
+    if probability < sure or len(set(values.values())) < 2:
+        return BY_NO_NAME  # a value that all names share is a habit of the demonstrations, which nothing has tested
+    return ByName(values, probability)
 
 
 def _true(looks: Mapping[int, tuple[bool, float]]) -> float:
