@@ -18,13 +18,18 @@ from bosdyn.client.lease import Error as LeaseError
 from bosdyn.client.lease import LeaseResponseError
 
 from pix2pred.robots.robot import Outcome, RobotError
+from pix2pred.robots.spot.interrupts import heard_later
 
 
 @contextmanager
 def named(doing: str, why: Callable[[], RobotError | None] = lambda: None) -> Iterator[None]:
-    """Turn the client's errors into ``RobotError``. ``why`` asks the robot what is wrong, when it refused."""
+    """Turn the client's errors into ``RobotError``. ``why`` asks the robot what is wrong, when it refused.
+
+    Ctrl-C is heard at the end.
+    """
     try:
-        yield
+        with heard_later():
+            yield
     except (LeaseUseError, LeaseResponseError, LeaseError) as error:
         raise RobotError(
             Outcome.LEASE_LOST,

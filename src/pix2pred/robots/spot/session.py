@@ -18,6 +18,7 @@ from bosdyn.client.robot_command import RobotCommandBuilder, RobotCommandClient,
 
 from pix2pred.robots.robot import Outcome, RobotError
 from pix2pred.robots.spot.credentials import Credentials
+from pix2pred.robots.spot.interrupts import heard_later
 from pix2pred.robots.spot.link import named, trouble
 from pix2pred.robots.spot.settings import SpotSettings
 
@@ -162,9 +163,15 @@ class SpotSession:
             self.client("manipulation").grasp_override_command(request, timeout=self.settings.deadlines.answer)
 
     def close(self) -> None:
-        """Stop, put the arm away, sit, power off, return the lease: as much of it as the robot still lets us do."""
-        if self.robot is None:
-            return
+        """Stop, put the arm away, sit, power off, return the lease: as much of it as the robot still lets us do.
+
+        Ctrl-C is heard when this is done.
+        """
+        if self.robot is not None:
+            with heard_later():
+                self._leave()
+
+    def _leave(self) -> None:
         if self._lease is not None:
             for step in (self._halt, self._stow, self._sit, self._give_back):
                 with contextlib.suppress(Exception):  # every one of them may fail, and the next must be tried
